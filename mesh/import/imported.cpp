@@ -15,7 +15,7 @@ void scale_to_si(ImportedModel& model, double length, double mass, double time) 
     for (auto* lengths : {&shells.thickness, &shells.offset})
       for (double& value : *lengths) value *= length;
   for (ImportedMaterial& material : model.materials) {
-    material.E *= stress;
+    material.E *= stress, material.G *= stress;
     material.rho *= mass / (area * length);
     for (const int k : {0, 1, 2, 6, 7, 8}) material.engineering[k] *= stress;  // 3 to 5 are Poisson's ratios
     for (ImportedPly& ply : material.plies) ply.thickness *= length;
@@ -25,8 +25,10 @@ void scale_to_si(ImportedModel& model, double length, double mass, double time) 
     point.offset *= length;
     point.inertia *= mass * area;
   }
-  for (ImportedSpring& spring : model.springs)
+  for (ImportedSpring& spring : model.springs) {
+    if (spring.at) *spring.at *= length;
     for (std::size_t k = 0; k < 6; ++k) spring.stiffness[k] *= (k < 3 ? mass : mass * area) / (time * time);
+  }
   for (ImportedEquation& equation : model.equations)  // of displacements in lengths and of angles
     for (ImportedEquation::Term& term : equation.terms) term.row.tail<3>() *= length;
   for (ImportedBar& bar : model.bars) {

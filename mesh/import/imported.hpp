@@ -21,6 +21,7 @@ struct ImportedPly {
 struct ImportedMaterial {
   std::string name;
   double E = 0, nu = 0, rho = 0;
+  double G = 0;  ///< of beams and rods, where the deck gives one that E and nu do not; 0: theirs
   bool orthotropic = false;
   Eigen::Matrix<double, 9, 1> engineering =
       Eigen::Matrix<double, 9, 1>::Zero();          ///< E1 E2 E3 nu12 nu13 nu23 G12 G13 G23
@@ -66,6 +67,7 @@ struct ImportedBar {
   /// Points (y, z) from the centroid where its stresses are largest, around the section; none: stresses are not known.
   std::vector<Eigen::Vector2d> outline = {};
   Index material = 0;
+  double G = 0;  ///< shear modulus; 0: the material's
   std::array<std::array<bool, 6>, 2>
       released{};  ///< at each end: u, v, w and rotations in the element's axes
 };
@@ -77,6 +79,7 @@ struct ImportedSpring {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< columns: the axes
   std::array<double, 6> stiffness{};                ///< of displacements, then rotations
   double place = 0.5;                               ///< of the springs between the nodes, from the first
+  std::optional<Eigen::Vector3d> at = {};           ///< of the springs, where they stand off that line
 };
 
 /// sum of row . (u, theta)(node) over the terms = 0: *EQUATION, MPC, one direction of a node that *TIE binds between others.

@@ -113,13 +113,15 @@ mesh::CadOptions read_cad(const Section& geometry, const Section& mesh) {
   return cad;
 }
 
-Material read_material(const std::string& name, const Section& in) {
+Material read_material(const std::string& name, const Section& in, bool of_deck) {
   const double density = in.quantity("density");
   const bool whole = in.has("moduli") && in.has("ratios") && in.has("shear");
   const bool any =
       in.has("moduli") || in.has("ratios") || in.has("shear") || in.has("axis_x") || in.has("axis_y");
   if (!any && in.has("young") && in.has("poisson"))
     return isotropic(name, in.quantity("young"), in.quantity("poisson"), density);
+  if (!any && !in.has("young") && !in.has("poisson") && of_deck)  // the deck has the rest
+    return {.name = name, .density = density};
   if (!whole || in.has("young") || in.has("poisson"))
     throw InputError(
         in.where() +
@@ -321,7 +323,9 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
     geometry.refuse("file", "is a table of nodes without elements",
                     "add a table [matrices] with their K and M, or [mode_vectors]");
   }
-  for (const auto& [name, m] : in.table_map("material")) part.materials.push_back(read_material(name, m));
+  const bool is_deck = part.format == PartFormat::abaqus || part.format == PartFormat::nastran;
+  for (const auto& [name, m] : in.table_map("material"))
+    part.materials.push_back(read_material(name, m, is_deck));
   if (part.format == PartFormat::cad && part.materials.size() != 1) {
     if (part.materials.empty())
       throw InputError(in.where() +

@@ -63,7 +63,7 @@ TableSchema material_schema() {
       .name = "material",
       .doc =
           "A linear elastic material: isotropic (`young`, `poisson`) or orthotropic (`moduli`, `ratios`, "
-          "`shear`)."};
+          "`shear`). `density` alone: a deck's material of this name, which has none."};
   s.keys = {
       input::quantity("young", dim::pressure, "Young's modulus").above(0),
       input::quantity("poisson", dim::none, "Poisson's ratio").above(-1).below(0.5),

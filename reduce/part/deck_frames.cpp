@@ -65,7 +65,7 @@ struct Bar {
 
 Bar make_bar(const mesh::ImportedBar& from, const Part& part, const std::string& name) {
   const Eigen::Matrix<double, 6, 6> S = part.materials.at(from.material).D.inverse();
-  const double E = 1.0 / S(0, 0), G = 1.0 / S(3, 3);
+  const double E = 1.0 / S(0, 0), G = from.G > 0.0 ? from.G : 1.0 / S(3, 3);
   const Vector3d a = part.mesh.points.row(from.nodes[0]), b = part.mesh.points.row(from.nodes[1]);
   const bool is_rod = from.I_yy == 0.0 && from.I_zz == 0.0;
   const Vector3d side = is_rod ? Vector3d((b - a).unitOrthogonal()) : from.orientation;
@@ -258,7 +258,7 @@ void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
 void add_springs(const std::vector<mesh::ImportedSpring>& springs, Part& part) {
   for (const mesh::ImportedSpring& from : springs) {
     const Vector3d a = part.mesh.points.row(from.nodes[0]), b = part.mesh.points.row(from.nodes[1]);
-    const Vector3d middle = a + from.place * (b - a);
+    const Vector3d middle = from.at.value_or(a + from.place * (b - a));
     // The relative motion at the place of the springs, carried there by rigid arms, in the axes.
     Eigen::Matrix<double, 6, 12> relative;
     relative << -node_motion_at(middle - a), node_motion_at(middle - b);

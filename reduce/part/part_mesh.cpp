@@ -48,12 +48,12 @@ mesh::ImportedModel read_foreign(const PartInput& input) {
 
 /// The deck's material as ours; what it lacks is refused with the way out.
 Material material_of(const mesh::ImportedMaterial& from, const std::string& deck) {
-  const auto lacks = [&](const char* what, const char* card) {
-    throw std::invalid_argument(
-        fmt::format("{}: material \"{}\" has no {} ({}); give it a table [material.\"{}\"] in the part file",
-                    deck, from.name, what, card, from.name));
+  const auto lacks = [&](const char* what, const char* card, const char* key) {
+    throw std::invalid_argument(fmt::format(
+        "{}: material \"{}\" has no {} ({}); give it a table [material.\"{}\"] with {} in the part file",
+        deck, from.name, what, card, from.name, key));
   };
-  if (!(from.rho > 0.0)) lacks("density above zero", "*DENSITY, or RHO of MAT1");
+  if (!(from.rho > 0.0)) lacks("density above zero", "*DENSITY, or RHO of MAT1", "its density");
   if (from.orthotropic) {
     // E1 E2 E3 nu12 nu13 nu23 G12 G13 G23; nu31 = nu13 E3 / E1.
     const auto& c = from.engineering;
@@ -70,7 +70,8 @@ Material material_of(const mesh::ImportedMaterial& from, const std::string& deck
                               from.rho),
                   from.R);
   }
-  if (!(from.E > 0.0)) lacks("Young's modulus above zero", "*ELASTIC, or E of MAT1");
+  if (!(from.E > 0.0))
+    lacks("Young's modulus above zero", "*ELASTIC, or E of MAT1", "young, poisson and density");
   return isotropic(from.name, from.E, from.nu, from.rho);
 }
 
@@ -81,6 +82,10 @@ void choose_materials(const PartInput& input, const mesh::ImportedModel& model, 
       throw InputError(fmt::format(
           "{}: {} names no material; give exactly one table [material.NAME] for all of it ({} {} there)",
           input.where, deck, input.materials.size(), input.materials.size() == 1 ? "is" : "are"));
+    if (input.materials[0].D.isZero(0.0))
+      throw InputError(fmt::format(
+          "{}: {} names no material whose density [material.{}] could give; add young and poisson",
+          input.where, deck, input.materials[0].name));
     part.materials = input.materials;
     return;
   }
@@ -102,7 +107,13 @@ void choose_materials(const PartInput& input, const mesh::ImportedModel& model, 
       part.materials.push_back(laminate(from.name, std::move(plies), from.R.col(0)));
       continue;
     }
-    part.materials.push_back(ours != input.materials.end() ? *ours : material_of(from, deck));
+    if (ours != input.materials.end() && !ours->D.isZero(0.0)) {
+      part.materials.push_back(*ours);
+      continue;
+    }
+    mesh::ImportedMaterial whole = from;
+    if (ours != input.materials.end()) whole.rho = ours->density;
+    part.materials.push_back(material_of(whole, deck));
   }
   for (const Material& ours : input.materials)
     if (std::find(known.begin(), known.end(), ours.name) == known.end())
@@ -319,6 +330,12 @@ PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) 
     part.mesh.shells.clear();  // their stiffness is in the matrices
   } else {
     part.bars = std::move(model.bars);
+    for (mesh::ImportedBar& bar : part.bars)
+      if (const mesh::ImportedMaterial& of = model.materials[static_cast<std::size_t>(bar.material)];
+          std::ranges::none_of(input.materials, [&](const Material& ours) {
+            return ours.name == of.name && !ours.D.isZero(0.0);
+          }))
+        bar.G = of.G;
     part.springs = std::move(model.springs);
     part.equations = std::move(model.equations);
   }

@@ -75,17 +75,16 @@ ImportedModel NastranReader::read(const std::filesystem::path& path) {
   for (const std::string& message : unused_.messages("card")) model_.messages.push_back(message);
   // Elements with stiffness or mass that are not read; dampers, gaps and plot elements have none of either.
   static const std::set<std::string> kElements = {
-      "CQUAD",  "CQUADX", "CTRIAX", "CTRIAX6", "CSHEAR",  "CTUBE",   "CBEND",
-      "CBEAM3", "CWELD",  "CFAST",  "CSEAM",   "CELAS3",  "CELAS4",  "CMASS1",
-      "CMASS2", "CMASS3", "CMASS4", "CONM1",   "CBUSH1D", "CCONEAX", "GENEL"};
+      "CQUAD",  "CQUADX", "CTRIAX", "CTRIAX6", "CSHEAR", "CBEND",  "CBEAM3", "CWELD",   "CFAST",   "CSEAM",
+      "CELAS3", "CELAS4", "CMASS1", "CMASS2",  "CMASS3", "CMASS4", "CONM1",  "CBUSH1D", "CCONEAX", "GENEL"};
   Unused left_out;
   for (const Card& card : cards_)
     if (!used_.contains(card.name) && kElements.contains(card.name)) left_out.add(card.name, card.where);
   for (const std::string& message : left_out.messages("element")) model_.warnings.push_back(message);
   // Rigid elements and contacts that are not read.
-  static const std::set<std::string> kBinds = {"RBE1",   "RROD",  "RTRPLT",  "RSPLINE", "RSSCON",
-                                               "RJOINT", "MPCAX", "BCTABLE", "BCTSET",  "BGSET",
-                                               "BCONP",  "BSURF", "TIE",     "CGAP",    "SUPER"};
+  static const std::set<std::string> kBinds = {"RTRPLT",  "RSPLINE", "RSSCON", "RJOINT", "MPCAX",
+                                               "BCTABLE", "BCTSET",  "BGSET",  "BCONP",  "BSURF",
+                                               "TIE",     "CGAP",    "SUPER"};
   Unused unbound;
   for (const Card& card : cards_)
     if (!used_.contains(card.name) && kBinds.contains(card.name)) unbound.add(card.name, card.where);
@@ -97,18 +96,23 @@ ImportedModel NastranReader::read(const std::filesystem::path& path) {
       approximated_.add(card.name + ": the mass or stiffness that it adds is missing", card.where);
   note_turning_weights();
   for (const std::string& message : approximated_.remarks()) model_.warnings.push_back(message);
+  if (builder_.cells().empty() && model_.bars.empty() && !model_.springs.empty())
+    throw std::invalid_argument(
+        path.string() +
+        ": holds springs alone (CBUSH, CELAS), which make no body: give them as [bushing.NAME] or "
+        "[spring_damper.NAME] of the mechanism");
   if (builder_.cells().empty() && model_.bars.empty())
     throw std::invalid_argument(path.string() +
                                 ": holds no solid, shell or beam elements (CTETRA, CHEXA, CPENTA, CPYRAM, "
-                                "CQUAD4, CTRIA3, CQUAD8, CTRIA6, CBAR, CBEAM); not Nastran bulk data?");
+                                "CQUAD4, CTRIA3, CQUAD8, CTRIA6, CBAR, CBEAM, CROD); not Nastran bulk data?");
   finish();
   return std::move(model_);
 }
 
 void NastranReader::refuse_repeated() const {
   static const std::set<std::string> kNumbered = {
-      "CBAR", "CBEAM", "CROD",  "CONROD", "CBUSH",  "CELAS1", "CELAS2", "CONM2", "RBE2",  "RBE3",
-      "RBAR", "PBAR",  "PBARL", "PBEAM",  "PBEAML", "PROD",   "PSHELL", "PCOMP", "PSOLID"};
+      "CBAR", "CBEAM", "CROD", "CONROD", "CTUBE", "PTUBE",  "CBUSH", "CELAS1", "CELAS2", "CONM2", "RBE2",
+      "RBE3", "RBAR",  "PBAR", "PBARL",  "PBEAM", "PBEAML", "PROD",  "PSHELL", "PCOMP",  "PSOLID"};
   std::map<std::pair<std::string, std::int64_t>, const Card*> seen;
   for (const Card& card : cards_) {
     if (!kNumbered.contains(card.name)) continue;
@@ -138,9 +142,14 @@ void NastranReader::read_materials() {
     const double G = card->real(2, 0);
     material.nu = has_nu ? card->real(3) : card->real(1) / (2 * G) - 1;
     material.E = has_E ? card->real(1) : 2 * G * (1 + material.nu);
-    if (has_E && has_G && has_nu && std::abs(G * 2 * (1 + material.nu) / material.E - 1) > 1e-3)
-      model_.messages.push_back(fmt::format(
-          "{}: MAT1 {} has a G that is not E / (2 (1 + NU)); E and NU are used", card->where.text(), id));
+    if (has_E && has_G && has_nu && std::abs(G * 2 * (1 + material.nu) / material.E - 1) > 1e-12) {
+      material.G = G;
+      if (std::abs(G * 2 * (1 + material.nu) / material.E - 1) > 1e-3)
+        model_.messages.push_back(fmt::format(
+            "{}: MAT1 {} has a G that is not E / (2 (1 + NU)): beams and rods have that G, solids and "
+            "shells have E and NU",
+            card->where.text(), id));
+    }
     if (!material_.emplace(id, static_cast<Index>(model_.materials.size())).second)
       throw std::invalid_argument(fmt::format("{}: material {} is given twice", card->where.text(), id));
     model_.materials.push_back(material);

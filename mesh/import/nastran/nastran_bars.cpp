@@ -77,6 +77,37 @@ void NastranReader::read_rods() {
     add(*card, 2, found->second->integer(1), *found->second, 2);
   }
   for (const Card* card : all("CONROD")) add(*card, 1, card->integer(3), *card, 4);
+  read_tubes();
+}
+
+// CTUBE, PTUBE: a rod of outer diameter OD and wall T, solid without one.
+void NastranReader::read_tubes() {
+  std::map<std::int64_t, const Card*> properties;
+  for (const Card* card : all("PTUBE")) properties.emplace(card->integer(0), card);
+  for (const Card* card : all("CTUBE")) {
+    const std::int64_t property = card->integer(1, card->integer(0));
+    const auto found = properties.find(property);
+    if (found == properties.end())
+      throw std::invalid_argument(fmt::format("{}: property {} of CTUBE {} is no PTUBE of this file",
+                                              card->where.text(), property, card->integer(0)));
+    const Card& of = *found->second;
+    const double outer = of.real(2), wall = of.real(3, 0), second = of.real(5, outer);
+    require_positive(outer, fmt::format("PTUBE {}", property), "diameter", of.where);
+    if (!(wall >= 0 && wall <= outer / 2))
+      throw std::invalid_argument(
+          fmt::format("{}: PTUBE {} has the wall {:g}; it must be from 0 to half of OD = {:g}",
+                      of.where.text(), property, wall, outer));
+    if (second != outer) approximated_.add("PTUBE's OD2 other than OD: OD is used all along", of.where);
+    const BarSection s = wall > 0 && wall < outer / 2 ? tube(outer / 2, outer / 2 - wall) : circle(outer / 2);
+    ImportedBar rod;
+    rod.label = card->integer(0);
+    rod.nodes = {builder_.node(0, card->integer(2), card->where),
+                 builder_.node(0, card->integer(3), card->where)};
+    rod.material = material(of.integer(1), of.where);
+    rod.A = s.A, rod.J = s.J;
+    rod.extra_mass_per_length = of.real(4, 0);
+    model_.bars.push_back(rod);
+  }
 }
 
 void NastranReader::add_scalar_spring(const Card& card, double stiffness, std::size_t first) {
@@ -165,12 +196,7 @@ void NastranReader::add_bush(const Card& card, const std::array<double, 6>& stif
   const Vector3d a = systems_.grid_place(card.integer(2), card.where),
                  line = systems_.grid_place(card.integer(3), card.where) - a;
   if (!card.blank(7)) {
-    const NastranSystem& s = systems_.system(card.integer(7), card.where);
-    if (s.kind != 'R')
-      throw std::invalid_argument(
-          fmt::format("{}: CBUSH {} has axes of a cylindrical or spherical system; rectangular ones are read",
-                      card.where.text(), card.integer(0)));
-    spring.R = s.R;
+    spring.R = systems_.system(card.integer(7), card.where).axes_at(a);
   } else if (line.norm() > 0) {  // x along the line, y in the plane of the orientation
     Vector3d v = orientation(card, a, axes_at(card.integer(2), card.where));
     const bool along_alone = stiffness[1] == 0 && stiffness[2] == 0 && stiffness[4] == 0 && stiffness[5] == 0;
@@ -183,7 +209,8 @@ void NastranReader::add_bush(const Card& card, const std::array<double, 6>& stif
   }
   spring.place = card.real(8, 0.5);
   if (!card.blank(9) && card.integer(9) >= 0)
-    approximated_.add("CBUSH's place by OCID and S1 to S3: the one by S is used", card.where);
+    spring.at = systems_.system(card.integer(9), card.where)
+                    .place({card.real(10, 0), card.real(11, 0), card.real(12, 0)});
   model_.springs.push_back(spring);
 }
 

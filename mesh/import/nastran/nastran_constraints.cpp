@@ -2,12 +2,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 
 #include "mesh/import/nastran/nastran_reader.hpp"
 
 namespace flexura::mesh {
+
+using Eigen::Vector3d;
+
 namespace {
 
 // "MPC = 7" of the case control.
@@ -133,25 +137,76 @@ void NastranReader::read_constraints(const std::filesystem::path& path) {
   model_.messages.push_back(fmt::format("{} equation{} between dofs (MPC)", count, count == 1 ? "" : "s"));
 }
 
-// RBAR: two nodes that move as one piece.
+// RBE1 whose independent dofs are all six of one node: others follow it in the directions after UM.
+void NastranReader::read_rbe1() {
+  for (const Card* card : all("RBE1")) {
+    std::size_t um = 1;
+    while (um < card->fields.size() && card->text(um) != "UM") ++um;
+    std::vector<std::size_t> leaders;
+    for (std::size_t k = 1; k < um; ++k)
+      if (!card->blank(k)) leaders.push_back(k);
+    const auto all_six = [&](std::size_t k) {
+      const auto dofs = components(card->text(k), *card);
+      return std::ranges::count(dofs, true) == 6;
+    };
+    if (leaders.size() != 2 || !all_six(leaders[1])) {
+      approximated_.add("RBE1 whose independent dofs are not all six of one node: what it binds stays apart",
+                        card->where);
+      continue;
+    }
+    for (std::size_t k = um + 1; k < card->fields.size(); ++k) {
+      if (card->blank(k) || card->is_real(k)) continue;  // ALPHA
+      ImportedTie tie;
+      tie.label = card->integer(0);
+      tie.reference = builder_.node(0, card->integer(leaders[0]), card->where);
+      tie.nodes = {builder_.node(0, card->integer(k), card->where)};
+      tie.axes = {axes_at(card->integer(k), card->where)};
+      tie.dofs = components(card->text(++k), *card);
+      model_.ties.push_back(std::move(tie));
+    }
+  }
+}
+
+// RBAR: two nodes that move as one piece, or in some directions; RROD: two that keep their distance.
 void NastranReader::read_rigid_bars() {
   for (const Card* card : all("RBAR")) {
     const auto of_a = components(card->text(3), *card), of_b = components(card->text(4), *card);
     const auto count = [](const std::array<bool, 6>& dofs) { return std::ranges::count(dofs, true); };
     const bool a_leads = count(of_a) == 6 && count(of_b) == 0, b_leads = count(of_b) == 6 && count(of_a) == 0;
     const auto bound = components(card->text(a_leads ? 6 : 5), *card);
-    if (!(a_leads || b_leads) || (count(bound) != 0 && count(bound) != 6)) {
+    if (!(a_leads || b_leads)) {
       approximated_.add(
-          "RBAR that does not join all six dofs of a node to those of the other: what it binds stays apart",
+          "RBAR whose independent dofs (CNA, CNB) are not all six of one node: what it binds stays apart",
           card->where);
       continue;
     }
     ImportedTie tie;
     tie.label = card->integer(0);
+    if (count(bound) != 0) tie.dofs = bound;
     tie.reference = builder_.node(0, card->integer(a_leads ? 1 : 2), card->where);
     tie.nodes = {builder_.node(0, card->integer(a_leads ? 2 : 1), card->where)};
+    tie.axes = {axes_at(card->integer(a_leads ? 2 : 1), card->where)};
     model_.ties.push_back(std::move(tie));
   }
+  for (const Card* card : all("RROD")) {
+    const Vector3d line = systems_.grid_place(card->integer(2), card->where) -
+                          systems_.grid_place(card->integer(1), card->where);
+    if (!(line.norm() > 0))
+      throw std::invalid_argument(
+          fmt::format("{}: the nodes of RROD {} lie in one place", card->where.text(), card->integer(0)));
+    ImportedEquation equation{.terms = {},
+                              .of = fmt::format("RROD {} in {}", card->integer(0), card->where.text())};
+    for (const std::size_t k : {2u, 1u}) {  // the dependent one first
+      ImportedEquation::Term term{.node = builder_.node(0, card->integer(k), card->where)};
+      term.row.head<3>() = (k == 2 ? 1 : -1) * line.normalized();
+      for (double& c : term.row)  // round-off of places
+        if (std::abs(c) < 1e-12) c = 0;
+      equation.terms.push_back(term);
+    }
+    if (!card->blank(3)) std::swap(equation.terms[0], equation.terms[1]);
+    model_.equations.push_back(std::move(equation));
+  }
+  read_rbe1();
 }
 
 }  // namespace flexura::mesh

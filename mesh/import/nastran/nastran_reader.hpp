@@ -62,6 +62,7 @@ class NastranReader {
   ImportedBar shaped_section(const Card& card);
   // CROD with PROD, CONROD alone: stretch and, with J, torsion.
   void read_rods();
+  void read_tubes();
   // One component of two nodes.  Between nodes that stand apart only stretch along their line leaves the body free to
   // turn.
   void add_scalar_spring(const Card& card, double stiffness, std::size_t first);
@@ -76,6 +77,7 @@ class NastranReader {
   /// MPC of the set that the case control of `path` chooses, with MPCADD; RBAR.
   void read_constraints(const std::filesystem::path& path);
   void read_rigid_bars();
+  void read_rbe1();
   /// Columns: the displacement axes of a GRID (CD).
   Eigen::Matrix3d axes_at(std::int64_t grid, const Where& where);
   void read_masses();
