@@ -5,6 +5,7 @@
 
 #include <stdexcept>
 
+#include "beam/exact/gauss.hpp"
 #include "beam/exact/kernel.hpp"
 
 namespace flexura::beam::exact {
@@ -12,27 +13,9 @@ namespace {
 
 using Eigen::MatrixXd;
 
-// Gauss' points and weights on [0, 1].
-constexpr std::array<double, 4> kAt = {0.06943184420297371239, 0.33000947820757186760, 0.66999052179242813240,
-                                       0.93056815579702628761};
-constexpr std::array<double, 4> kWeight = {0.17392742256872692869, 0.32607257743127307131,
-                                           0.32607257743127307131, 0.17392742256872692869};
-
-// int_0^z of the polynomial that is 1 at point h and 0 at the others.
-double polynomial_integral(std::size_t h, double z) {
-  double p[4] = {1.0, 0.0, 0.0, 0.0};  // coefficients, by ascending power
-  int degree = 0;
-  for (std::size_t k = 0; k < 4; ++k) {
-    if (k == h) continue;
-    const double scale = 1.0 / (kAt[h] - kAt[k]);
-    ++degree;
-    for (int i = degree; i >= 0; --i)
-      p[i] = scale * ((i > 0 ? p[i - 1] : 0.0) - (i < degree ? kAt[k] * p[i] : 0.0));
-  }
-  double sum = 0.0;
-  for (int i = 3; i >= 0; --i) sum = (sum + p[i] / (i + 1)) * z;
-  return sum;
-}
+using gauss::kAt;
+using gauss::kWeight;
+using gauss::polynomial_integral;
 
 Matrix3d matrix(const Mat<double>& E) {
   Matrix3d R;

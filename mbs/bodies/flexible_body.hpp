@@ -90,10 +90,19 @@ class FlexibleBody {
   virtual bool has_geometric_stiffness() const { return true; }
   /// Where it is a slender beam: what tells how far it would bend.
   virtual std::optional<SlenderBeam> slender() const { return std::nullopt; }
+  /// Where it deforms in a plane alone: the plane's normal, in B.
+  virtual std::optional<Vector3d> stiff_direction() const { return std::nullopt; }
   /// What is known of it in modal coordinates; nullptr where it has none.
   virtual const ModalData* modal() const { return nullptr; }
   /// Of coordinate i; what internal forces there are beside them add_tangents() differentiates.
   virtual Spring spring(int /*i*/) const { return {}; }
+  /// What coordinate i does by itself, nothing hanging on what it deforms.
+  struct Alone {
+    double reach = 0.0;  ///< largest displacement, turning counted by the length that it deforms [m]
+    double mass = 0.0;   ///< its diagonal in the mass matrix
+  };
+  /// Where it deforms a part of the body alone, and moves all that is beyond: then M_e knows of more.
+  virtual std::optional<Alone> alone(int /*i*/) const { return std::nullopt; }
   /// Largest displacement of a node, or 1/sqrt(mass), for unit s_i: its inverse is the size of s_i.
   virtual double amplitude(int i) const;
   /// Of the undeformed body, about Bo in B.
@@ -105,7 +114,9 @@ class FlexibleBody {
   virtual void set_position(const double* s, Scratch& scratch) const = 0;
   /// M_e at the s of the last set_position(scratch).
   virtual const Eigen::MatrixXd& M_e(const Scratch& /*scratch*/) const { return M_e_; }
-  /// After set_position: wrench (about Bo) and generalised forces (m) that the motion needs, all in B, elastic and
+  /// False where inverse_dynamics() does without set_position(): whoever wants the integrals then calls it.
+  virtual bool moves_by_integrals() const { return true; }
+  /// After set_position (but see above): wrench (about Bo) and generalised forces (m) that the motion needs, all in B, elastic and
   /// damping forces included.  V = (w_WB, anything), A = (alpha, a of Bo - g).
   virtual Spatial inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot,
                                    const Spatial& V, const Spatial& A, Scratch& scratch,

@@ -48,23 +48,26 @@ const std::vector<Fidelity>& fidelities() {
        Superelement{.make = make<OneWayBody>, .acts_back = false, .held_by_joints = true},
        {}},
       {"static", "quasi-static", Superelement{.make = make<ModalBody>, .by_loads_alone = true}, {}},
-      {"rigid", "without deformation", Superelement{}, Beam{.make = rigid_beam, .has_elements = false}},
+      {"rigid", "without deformation", Superelement{},
+       Beam{.make = rigid_beam, .has_elements = false, .use = {.may_be_planar = true}}},
       {"ancf", "absolute nodal coordinates for any bending", {}, Beam{.make = ancf_beam}},
       {"beam",
        "geometrically exact, for any bending",
        {},
-       Beam{.make = exact_beam<beam::exact::Kind::beam>, .use = {.may_be_curved = true}}},
+       Beam{.make = exact_beam<beam::exact::Kind::beam>,
+            .use = {.may_be_curved = true, .may_be_planar = true}}},
       {"rod",
        "the same without stretch and shear",
        {},
        Beam{.make = exact_beam<beam::exact::Kind::rod>,
-            .use = {.ignores = {"EA", "GA_y", "GA_z"}, .may_be_curved = true}}},
+            .use = {.ignores = {"EA", "GA_y", "GA_z"}, .may_be_curved = true, .may_be_planar = true}}},
       {"cable",
        "the same with stretch and bending alone",
        {},
        Beam{.make = exact_beam<beam::exact::Kind::cable>,
             .use = {.ignores = {"GA_y", "GA_z", "GI_t", "EI_y", "EI_z", "rho_I_y", "rho_I_z"},
-                    .may_be_curved = true}}},
+                    .may_be_curved = true,
+                    .may_be_planar = true}}},
       {"segments", "rigid segments joined by its stiffness", {}, Beam{.make = add_segments}},
   };
   return all;
@@ -75,7 +78,9 @@ const Fidelity& fidelity_of(const input::Section& s) {
   const bool is_beam = s.has("beam") && !s.has("superelement");
   return *std::ranges::find_if(fidelities(), [&](const Fidelity& f) {
     if (word != kAutomaticFidelity) return f.name == word;
-    return is_beam ? f.of_beam && f.of_beam->has_elements : f.of_superelement.has_value();
+    // Of beams the kind that takes all that a file may say of one.
+    return is_beam ? f.of_beam && f.of_beam->has_elements && f.of_beam->use.may_be_curved
+                   : f.of_superelement.has_value();
   });
 }
 

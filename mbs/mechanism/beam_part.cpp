@@ -11,6 +11,7 @@
 #include "beam/section/shapes.hpp"
 #include "mbs/bodies/beams/ancf_part.hpp"
 #include "mbs/bodies/beams/exact_element.hpp"
+#include "mbs/bodies/beams/planar_beam.hpp"
 #include "mbs/forces/bushing.hpp"
 
 namespace flexura::mbs {
@@ -138,49 +139,64 @@ Segments add_segments(MechanismDescription& d, int root, const BeamPart& part) {
   return out;
 }
 
-Segments add_exact_elements(MechanismDescription& d, int root, const BeamPart& part, beam::exact::Kind kind) {
-  const int n = part.elements;
-  const double l = part.length() / n;
-  const beam::exact::StrainField field = beam::exact::strain_field(kind, part.C, l);
-  Vector6d rest = Vector6d::Zero();
-  rest.tail<3>() = part.curvature;
-  const beam::exact::Element element(field, l, part.section_inertia(), rest);
-  const Eigen::VectorXd unstrained = Eigen::VectorXd::Zero(element.n());
-  const beam::exact::Element::Motion across =
-      element.motion(element.place(l), unstrained.data(), nullptr, nullptr);
+namespace {
 
-  // The stations by element and by distance along it.
-  std::vector<std::pair<int, double>> at = {{0, 0.0}, {n - 1, l}};
+// Matrices of the mechanism are dense within a body; a tree of pieces solves for accelerations in O(pieces).
+constexpr int kMostOfPiece = 64;  // coordinates
+
+/// What one body of a chain holds: elements of the same length, from `first` on.
+struct Piece {
+  int first = 0, elements = 1;
+};
+
+/// A station: element, and distance from its start.
+struct Station {
+  int element = 0;
+  double x = 0.0;
+};
+
+std::vector<Station> stations_of(const BeamPart& part, double l) {
+  const int n = part.elements;
+  std::vector<Station> out = {{0, 0.0}, {n - 1, l}};
   for (const auto& [name, x] : part.points) {
     const int k = std::clamp(static_cast<int>(std::ceil(x / l - 1e-9)) - 1, 0, n - 1);
-    at.emplace_back(k, std::clamp(x - k * l, 0.0, l));
+    out.push_back({k, std::clamp(x - k * l, 0.0, l)});
   }
+  return out;
+}
+
+/// `make` gives the body of a piece for its start in its own frame and its stations, the first of them its end.
+template <class Make>
+Segments add_chain(MechanismDescription& d, int root, const BeamPart& part, double l,
+                   const std::vector<Piece>& pieces, const Make& make) {
+  const std::vector<Station> at = stations_of(part, l);
   Segments out;
   out.root_B = part.from_B;
   out.axis_B = part.R_BE().col(0);
   out.element_length = l;
   out.seats.resize(at.size());
-  const std::string name = d.bodies[root].name;
-  Pose start{part.R_BE(), part.from_B};  // of an element, in its own frame
+  const std::string name = d.bodies[static_cast<std::size_t>(root)].name;
+  Pose start{part.R_BE(), part.from_B};
   Vector3d origin_B = Vector3d::Zero();
-  for (int k = 0; k < n; ++k) {
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    const Piece& piece = pieces[k];
     const int body = k == 0 ? root : d.add_body({.name = fmt::format("{}.{}", name, k)});
-    std::vector<ExactElement::Station> stations = {{"end", l}};
+    std::vector<std::pair<std::string, Station>> stations = {{"end", {piece.elements - 1, l}}};
     for (std::size_t i = 0; i < at.size(); ++i) {
-      const auto& [of, x] = at[i];
-      if (of != k) continue;
-      if (x == 0.0) {
+      const Station own{at[i].element - piece.first, at[i].x};
+      if (own.element < 0 || own.element >= piece.elements) continue;
+      if (own.element == 0 && own.x == 0.0) {
         out.seats[i] = {body, -1, start.p};
         continue;
       }
-      const bool is_end = x > (1.0 - 1e-9) * l;
+      const bool is_end = own.element == piece.elements - 1 && own.x > (1.0 - 1e-9) * l;
       out.seats[i] = {body, is_end ? 0 : static_cast<int>(stations.size())};
-      if (!is_end) stations.push_back({fmt::format("at_{}", stations.size()), x});
+      if (!is_end) stations.emplace_back(fmt::format("at_{}", stations.size()), own);
     }
-    const auto piece_of_beam =
-        std::make_shared<const ExactElement>(element, start, part.damping_time, stations);
-    d.bodies[body].inertia = piece_of_beam->undeformed_inertia();
-    d.bodies[body].flexible = piece_of_beam;
+    const std::shared_ptr<const FlexibleBody> flexible = make(piece, start, stations);
+    BodyDescription& description = d.bodies[static_cast<std::size_t>(body)];
+    description.inertia = flexible->undeformed_inertia();
+    description.flexible = flexible;
     if (k > 0) {
       const int before = out.bodies.back();
       d.add_joint(fmt::format("{}.weld_{}", name, k), "fixed",
@@ -190,10 +206,58 @@ Segments add_exact_elements(MechanismDescription& d, int root, const BeamPart& p
     }
     out.bodies.push_back(body);
     out.origins_B.push_back(origin_B);
-    origin_B += start * across.p;
-    start = {start.R * across.R, Vector3d::Zero()};
+    origin_B += flexible->nodes().front().p_BoN_B;
+    // The next frame stands at this one's end, parallel to it where nothing is strained.
+    start = {part.section_at((piece.first + piece.elements) * l).R, Vector3d::Zero()};
   }
   return out;
+}
+
+Segments add_planar_pieces(MechanismDescription& d, int root, const BeamPart& part, beam::exact::Kind kind) {
+  const double l = part.length() / part.elements;
+  if (const char* const reason = beam::exact::why_not_planar(part.C, part.section_inertia()))
+    throw std::invalid_argument(fmt::format(
+        "cannot be planar: {}; take planar away, or turn y_axis to where the section is symmetric", reason));
+  if (part.curvature.head<2>().norm() > 0.0)
+    throw std::invalid_argument(
+        "cannot be planar: its curvature has parts about x and y; keep the third number alone, about z, or "
+        "take planar away");
+  const beam::exact::PlanarField field = beam::exact::planar_field(kind, part.C, l);
+  const int most = std::max(1, kMostOfPiece / field.n());
+  const int n =
+      (part.elements + most - 1) / most;  // pieces, of as many elements each as the others but for one
+  std::vector<Piece> pieces;
+  for (int k = 0, first = 0; k < n; ++k) {
+    const int elements = (part.elements - first) / (n - k);
+    pieces.push_back({first, elements});
+    first += elements;
+  }
+  return add_chain(
+      d, root, part, l, pieces, [&](const Piece& piece, const Pose& start, const auto& stations) {
+        std::vector<PlanarBeam::Station> places;
+        for (const auto& [name, at] : stations) places.push_back({name, at.element, at.x});
+        return std::make_shared<const PlanarBeam>(
+            beam::exact::PlanarChain(field, piece.elements, l, part.section_inertia(), part.curvature.z()),
+            start, part.damping_time, places);
+      });
+}
+
+}  // namespace
+
+Segments add_exact_elements(MechanismDescription& d, int root, const BeamPart& part, beam::exact::Kind kind) {
+  if (part.is_planar) return add_planar_pieces(d, root, part, kind);
+  const double l = part.length() / part.elements;
+  Vector6d rest = Vector6d::Zero();
+  rest.tail<3>() = part.curvature;
+  const beam::exact::Element element(beam::exact::strain_field(kind, part.C, l), l, part.section_inertia(),
+                                     rest);
+  std::vector<Piece> pieces;
+  for (int k = 0; k < part.elements; ++k) pieces.push_back({k, 1});
+  return add_chain(d, root, part, l, pieces, [&](const Piece&, const Pose& start, const auto& stations) {
+    std::vector<ExactElement::Station> places;
+    for (const auto& [name, at] : stations) places.push_back({name, at.x});
+    return std::make_shared<const ExactElement>(element, start, part.damping_time, places);
+  });
 }
 
 }  // namespace flexura::mbs

@@ -45,6 +45,8 @@ struct BeamPart {
   /// Of the stress-free axis about the section's axes [1/m], of geometrically exact beams alone: to_B is then where the
   /// tip would be were it straight.
   Vector3d curvature = Vector3d::Zero();
+  /// Of geometrically exact beams: they bend in the plane of the axis and y_axis_B alone.
+  bool is_planar = false;
   std::vector<std::pair<std::string, double>>
       points;  ///< places for markers by their distance from the root [m]
 
@@ -88,7 +90,7 @@ Segments add_segments(MechanismDescription& d, int root, const BeamPart& part);
 
 /// Makes body `root` a chain of geometrically exact elements, the first of them in its own frame: bodies "NAME.1", ...,
 /// each with its frame at its start, parallel to B where nothing is strained, and welds "NAME.weld_1", ....  Throws
-/// std::invalid_argument.
+/// std::invalid_argument.  Of a planar beam the bodies are pieces of many elements (planar_beam.hpp).
 Segments add_exact_elements(MechanismDescription& d, int root, const BeamPart& part, beam::exact::Kind kind);
 
 }  // namespace flexura::mbs

@@ -65,6 +65,7 @@ void MechanismOutputs::evaluate(const std::vector<int>& which, const State& s, C
   residual_.move(TreeMotion::Level::acceleration, s, v_dot.data(), work);
   residual_.take_states(s, work);
   m_.dynamics.body_forces(work.motion, work.wrenches);
+  m_.dynamics.set_deformations(work.motion, work.wrenches);  // for energies and momenta
   // Measures that only the output asks for may read signals that no force needs: all of them, in their order.
   take_signals(s, work);
   std::vector<double> measured(d.measures.size()), controlled(d.controls.size());

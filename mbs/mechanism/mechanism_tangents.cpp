@@ -24,6 +24,7 @@ void MechanismTangents::evaluate(const State& s, ConstVectorRef v_dot, TangentSc
                           T.z.tail(m_.n_algebraic()), work);
   m_.dynamics.backward(work.motion, work.wrenches, T.z.data());
   m_.inertia.vary_joints(work.motion, T.inertia);
+  m_.dynamics.set_deformations(work.motion, work.wrenches);
   m_.mass.own_inertia(work.motion, work.wrenches, work.inertias);
   m_.inertia.vary_inertia(work.motion, work.wrenches, work.inertias, T.inertia);
   MatrixXd &z_q = T.elements.z_q, &h_q = T.elements.h_q;

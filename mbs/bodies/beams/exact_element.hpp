@@ -24,6 +24,7 @@ class ExactElement final : public FlexibleBody {
 
   std::unique_ptr<Scratch> make_scratch() const override;
   void set_position(const double* s, Scratch& scratch) const override;
+  bool moves_by_integrals() const override { return false; }
   const Eigen::MatrixXd& M_e(const Scratch& scratch) const override;
   using FlexibleBody::M_e;
   Spatial inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
@@ -45,9 +46,6 @@ class ExactElement final : public FlexibleBody {
 
  private:
   struct Work;
-
-  beam::exact::Element::Carried carried(const Spatial& V, const Spatial& A) const;
-  Spatial wrench(const Vector6d& at_start) const;
 
   beam::exact::Element element_;
   Pose start_;

@@ -59,6 +59,12 @@ input::TableSchema beam_part_schema() {
              "section prints it"),
       matrix("mass",
              "6 x 6, of u_x, u_y, u_z, theta_x, theta_y, theta_z, in kg/m, kg, kg m; beside stiffness"),
+      flag("planar",
+           "it bends in the plane of its axis and y_axis alone, and is rigid across it: half the coordinates "
+           "and a third of the time or less; for the fidelities beam, rod and cable. Of the section's constants EA, "
+           "GA_y, EI_z, mass_per_length and rho_I_z are then enough (of a rod EI_z, rho_I_z and the mass, of "
+           "a cable EA and the mass)")
+          .or_default("false"),
       vector3("curvature", Dimension{{-1, 0, 0, 0}},
               "of the stress-free axis: its twist, and its curvature about the section's y and z, the same "
               "all along; for "
@@ -92,6 +98,7 @@ void take(const beam::SectionInertia& inertia, BeamPart& part) {
 
 constexpr const char* kConstants[] = {"EA",      "GA_y",   "GA_z", "GI_t", "EI_y", "EI_z", "mass_per_length",
                                       "rho_I_y", "rho_I_z"};
+constexpr const char* kAcrossThePlane[] = {"GA_z", "GI_t", "EI_y", "rho_I_y"};
 constexpr const char* kShape[] = {"young", "density", "diameter", "inner_diameter", "width", "height"};
 constexpr const char* kMatrices[] = {"stiffness", "mass"};
 
@@ -104,8 +111,11 @@ const char* first_given(const Section& s, const char* const (&keys)[n]) {
 
 void read_constants(const Section& s, const BeamUse& use, BeamPart& part) {
   const auto ignored = [&](const std::string& key) {
-    return std::ranges::find(use.ignores, key) != use.ignores.end();
+    return std::ranges::find(use.ignores, key) != use.ignores.end() ||
+           (part.is_planar && std::ranges::find(kAcrossThePlane, key) != std::end(kAcrossThePlane));
   };
+  // Across its plane a planar beam is rigid: any positive number stands for that.
+  const double across = part.is_planar ? 1.0 : 0.0;
   for (const char* const key : kConstants)
     if (!s.has(key) && !ignored(key))
       s.refuse("", fmt::format("has no {}", key), "give all constants of the section");
@@ -116,7 +126,7 @@ void read_constants(const Section& s, const BeamUse& use, BeamPart& part) {
   // Of a thread, so that it has no axis about which nothing turns.
   const double thread = part.mass_per_length * 1e-6 * part.length() * part.length();
   part.C = Vector6d(value("EA", 1.0), value("GA_y", 1.0), value("GA_z", 1.0), value("GI_t", 1.0),
-                    value("EI_y", 0.0), value("EI_z", 0.0))
+                    value("EI_y", across), value("EI_z", 0.0))
                .asDiagonal();
   part.rho_I_y = value("rho_I_y", thread);
   part.rho_I_z = value("rho_I_z", thread);
@@ -156,6 +166,10 @@ BeamPart read_beam_part(const Section& s, const BeamUse& use) {
   part.curvature = s.vector3("curvature");
   if (!part.curvature.isZero(0.0) && !use.may_be_curved)
     s.refuse("curvature", "this fidelity has straight beams alone", "use fidelity = \"beam\"");
+  part.is_planar = s.flag("planar");
+  if (part.is_planar && !use.may_be_planar)
+    s.refuse("planar", "this fidelity has beams in space alone",
+             "use fidelity = \"beam\", \"rod\" or \"cable\", or take planar away");
   try {
     part.R_BE();
   } catch (const std::invalid_argument& error) {

@@ -16,6 +16,8 @@ struct BeamUse {
   std::vector<std::string> ignores = {};
   /// The stress-free axis may be curved.
   bool may_be_curved = false;
+  /// It may bend in a plane alone.
+  bool may_be_planar = false;
 };
 
 /// Throws InputError.

@@ -39,7 +39,6 @@ void InverseDynamics::clear_loads(Wrenches& wrenches) const {
 
 void InverseDynamics::body_forces(const Motion& motion, Wrenches& wrenches) const {
   const Vector3d& g = tree_.d.gravity;
-  set_deformations(motion, wrenches);
   wrenches.r.setZero();
   wrenches.bodies[0].F = {};
   for (int b : tree_.order) {
@@ -52,6 +51,8 @@ void InverseDynamics::body_forces(const Motion& motion, Wrenches& wrenches) cons
     Spatial need;
     const TreeBody& t = tree_.bodies[b];
     if (t.m > 0) {
+      if (description.flexible->moves_by_integrals())
+        description.flexible->set_position(motion.kin.p + t.i_p, *body.flexible);
       need = description.flexible->inverse_dynamics(motion.kin.p + t.i_p, motion.kin.v + t.i_v,
                                                     motion.kin.v_dot + t.i_v, V, A, *body.flexible,
                                                     wrenches.r.data() + t.i_v);

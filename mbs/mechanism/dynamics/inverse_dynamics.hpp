@@ -37,7 +37,8 @@ class InverseDynamics {
 
   /// The integrals of deformed bodies, after forward(); what asks for positions and velocities alone does without.
   void set_deformations(const Motion& motion, Wrenches& wrenches) const;
-  /// What the motion of every body needs, after forward() on level acceleration and with kin.c; sets the integrals too.
+  /// What the motion of every body needs, after forward() on level acceleration and with kin.c; sets the integrals that this takes,
+  /// set_deformations() all.
   void body_forces(const Motion& motion, Wrenches& wrenches) const;
   void clear_loads(Wrenches& wrenches) const;
   /// All wrenches inwards to the coordinates (n_v).

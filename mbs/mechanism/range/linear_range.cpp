@@ -42,12 +42,33 @@ std::string at_place(const Vector3d& p) {
 
 LinearRange::LinearRange(const Mechanism& mechanism, double span, const RangeLimits& limits)
     : mechanism_(mechanism), span_(span), limits_(limits), watched_(mechanism.description().bodies.size()) {
-  for (std::size_t b = 0; b < watched_.size(); ++b)
-    if (const FlexibleBody* body = mechanism.deforming(static_cast<int>(b)))
-      watched_[b].size = length_of(*body);
+  std::string chain;
+  for (std::size_t b = 0; b < watched_.size(); ++b) {
+    const FlexibleBody* body = mechanism.deforming(static_cast<int>(b));
+    if (!body) continue;
+    watched_[b].size = length_of(*body);
+    const std::string& name = mechanism.description().bodies[b].name;
+    if (!body->stiff_direction() || (!chain.empty() && name.starts_with(chain))) continue;
+    chain = name + ".";
+    planar_.push_back(static_cast<int>(b));
+  }
+  if (!planar_.empty()) scratch_ = mechanism.make_scratch();
+}
+
+void LinearRange::observe_planes(const State& s) {
+  const Vector3d& g = mechanism_.description().gravity;
+  if (planar_.empty() || g.isZero(0.0)) return;
+  mechanism_.body_poses(s, *scratch_, of_bodies_);
+  for (const int b : planar_) {
+    Worst& across = watched_[static_cast<std::size_t>(b)].across;
+    const Vector3d n = *mechanism_.deforming(b)->stiff_direction();
+    const double part = std::abs(g.dot(of_bodies_[static_cast<std::size_t>(b)].R * n)) / g.norm();
+    if (part > across.value) across = {part, s.t, part * g.norm(), "", ""};
+  }
 }
 
 void LinearRange::observe(const State& s) {
+  observe_planes(s);
   for (std::size_t b = 0; b < watched_.size(); ++b) {
     const FlexibleBody* body = mechanism_.deforming(static_cast<int>(b));
     if (!body) continue;
@@ -205,6 +226,11 @@ std::vector<std::string> LinearRange::sentences() const {
           name, w.displacement.t, w.displacement.what, w.displacement.moved, w.displacement.against,
           w.displacement.value, limits_.displacement, 60.0 * w.displacement.value * w.displacement.value));
     }
+    if (w.across.value > limits_.across)
+      out.push_back(
+          fmt::format("body \"{}\" is planar and does not yield across its plane, where gravity has {:.3g} "
+                      "m/s^2 at t = {:.6g} s: turn y_axis into the plane of the motion, or take planar away",
+                      name, w.across.moved, w.across.t));
     if (w.held.value > limits_.stiffness)
       out.push_back(fmt::format(
           "body \"{}\" is held where its bending would bring its interfaces closer: \"{}\" and \"{}\" by "

@@ -32,6 +32,7 @@ struct RangeLimits {
   double strain = 0.1;
   double stiffness = 0.02;  ///< part of the stiffness that is left out where ends are held apart
   double of_size = 1.0;     ///< displacement by the body's own size: nothing of the result holds
+  double across = 1e-3;     ///< of gravity, along the normal of a plane in which a body bends alone
   double runaway = 10.0;    ///< the same: it grows without bound
 };
 
@@ -65,10 +66,12 @@ class LinearRange {
     Worst held;               ///< value: part of the stiffness; moved: how much closer they should come [m]
     double tension = 0.0;     ///< there [N]
     bool asked = false;
+    Worst across;  ///< of what bends in a plane alone, gravity's part along its normal
   };
   void observe_linear(int body, const State& state, const double* s);
   void ask_surface(int body, const double* s);
   void observe_lines(int body, const State& state, const Eigen::VectorXd& s);
+  void observe_planes(const State& s);
   void observe_displacement(Watched& watched, double t, double moved, double distance,
                             const std::string& what, const std::string& against) const;
 
@@ -77,6 +80,9 @@ class LinearRange {
   RangeLimits limits_;
   std::vector<Watched> watched_;
   std::vector<Pose> poses_;
+  std::vector<int> planar_;  ///< bodies that bend in a plane alone, of a chain the first
+  std::unique_ptr<Equations::Scratch> scratch_;
+  std::vector<Pose> of_bodies_;
   Eigen::VectorXd strains_;
   Eigen::Matrix3Xd displacements_;
 };

@@ -23,8 +23,11 @@ Coordinates::Coordinates(const Topology& tree) : tree_(tree), own_frequency_(tre
     const Eigen::VectorXd rest = Eigen::VectorXd::Zero(m);
     MatrixXd K = MatrixXd::Zero(m, m), D = K;
     flexible.add_tangents(rest.data(), rest.data(), K, D);
-    for (int k = 0; k < m; ++k)
-      omega[static_cast<std::size_t>(k)] = std::sqrt(std::max(0.0, K(k, k) / flexible.M_e()(k, k)));
+    for (int k = 0; k < m; ++k) {
+      const auto alone = flexible.alone(k);
+      const double mass = alone ? alone->mass : flexible.M_e()(k, k);
+      omega[static_cast<std::size_t>(k)] = std::sqrt(std::max(0.0, K(k, k) / mass));
+    }
   }
 }
 

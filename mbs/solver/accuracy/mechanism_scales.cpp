@@ -71,9 +71,14 @@ void take_far_bending(const Mechanism& mechanism, const State& s, Scales& out) {
     const double about_center = I.inertia.trace() / I.mass - 2.0 * (I.mass_center / I.mass).squaredNorm();
     const double length = std::sqrt(6.0 * std::max(0.0, about_center));
     NodeMotion node = body->make_node_motion();
-    for (int i = 0; i < body->m(); ++i)
-      if (body->amplitude(i) == body->FlexibleBody::amplitude(i))
+    for (int i = 0; i < body->m(); ++i) {
+      if (const auto alone = body->alone(i)) {
+        reach(first + i) = alone->reach;
+        own_mass(first + i) = alone->mass;
+      } else if (body->amplitude(i) == body->FlexibleBody::amplitude(i)) {
         reach(first + i) = reach_of(*body, i, length, node);
+      }
+    }
   }
   if (own_mass.isZero(0.0)) return;
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n.n_v, n.n_p), D = Eigen::MatrixXd::Zero(n.n_v, n.n_v);

@@ -48,7 +48,8 @@ std::map<double, Instant> spectral(Pulse pulse, int N, double end) {
 
 class PlanarSpaghetti : public cases::TextCase {
  protected:
-  std::map<double, Instant> fly(Pulse pulse, int elements, double tolerance, double end) const {
+  std::map<double, Instant> fly(Pulse pulse, int elements, double tolerance, double end,
+                                bool is_planar = false) const {
     const char* const shape = pulse == Pulse::abrupt ? "1" : "2*sin(pi*t/2.5)^2";
     const PreparedMechanism p = prepared(fmt::format(
         R"toml(
@@ -69,6 +70,7 @@ EI_z = 100
 mass_per_length = 1
 rho_I_y = 10
 rho_I_z = 10
+planar = {}
 [force.push]
 type = "force"
 marker = "beam.root"
@@ -102,7 +104,7 @@ end_time = {}
 output_step = 0.5
 tolerance = {}
 )toml",
-        elements, shape, shape, end, tolerance));
+        elements, is_planar, shape, shape, end, tolerance));
     const cases::Series run =
         cases::simulate(p, {"energy.kinetic", "energy.strain", "x_first", "y_first", "x_last", "y_last"});
     EXPECT_LT(std::abs(run.result.energy.relative_error()), 1e-4);
@@ -133,7 +135,7 @@ TEST_F(PlanarSpaghetti, SpectralSolutionIsConverged) {
 TEST_F(PlanarSpaghetti, FliesAsTheSpectralSolutionSays) {
   const double end = 5.0;
   const auto exact = spectral(Pulse::smooth, 28, end), few = fly(Pulse::smooth, 4, 1e-4, end),
-             more = fly(Pulse::smooth, 8, 1e-4, end);
+             more = fly(Pulse::smooth, 8, 1e-4, end), planar = fly(Pulse::smooth, 8, 1e-4, end, true);
   const flexura::test::Reference spectra = {
       "flying spaghetti in its plane, smooth pulse: spectral solution of 29 points by Kutta's method",
       "eight elements' own error"};
@@ -143,6 +145,9 @@ TEST_F(PlanarSpaghetti, FliesAsTheSpectralSolutionSays) {
                                     1e-3 * right.total(), spectra);
     flexura::test::expect_reference(fmt::format("kinetic energy at {} s", t), "J", ours.kinetic,
                                     right.kinetic, 2e-3 * right.kinetic, spectra);
+    flexura::test::expect_reference(fmt::format("energy at {} s, planar", t), "J", planar.at(t).total(),
+                                    right.total(), 1e-3 * right.total(), spectra);
+    EXPECT_LT((planar.at(t).last - right.last).norm(), 3e-2);
     EXPECT_LT((ours.first - right.first).norm(), 1.2e-2);
     EXPECT_LT((ours.last - right.last).norm(), 3e-2);
     EXPECT_GT((few.at(t).last - right.last).norm(), 12.0 * (ours.last - right.last).norm());
