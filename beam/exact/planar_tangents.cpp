@@ -1,4 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "beam/exact/planar_beyond.hpp"

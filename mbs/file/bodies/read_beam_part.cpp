@@ -61,7 +61,8 @@ input::TableSchema beam_part_schema() {
              "6 x 6, of u_x, u_y, u_z, theta_x, theta_y, theta_z, in kg/m, kg, kg m; beside stiffness"),
       flag("planar",
            "it bends in the plane of its axis and y_axis alone, and is rigid across it: half the coordinates "
-           "and a third of the time or less; for the fidelities beam, rod and cable. Of the section's constants EA, "
+           "and a third of the time or less; for the fidelities beam, rod and cable. Of the section's "
+           "constants EA, "
            "GA_y, EI_z, mass_per_length and rho_I_z are then enough (of a rod EI_z, rho_I_z and the mass, of "
            "a cable EA and the mass)")
           .or_default("false"),
