@@ -24,7 +24,7 @@
 #include "reduce/app/list_faces.hpp"
 #include "reduce/app/section_command.hpp"
 #include "reduce/app/write_reduced.hpp"
-#include "reduce/assembly/model_factor.hpp"
+#include "reduce/cms/team_reduction.hpp"
 #include "reduce/file/beam_file.hpp"
 #include "reduce/file/flexdata_file.hpp"
 #include "reduce/file/part_file.hpp"

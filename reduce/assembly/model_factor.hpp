@@ -10,15 +10,16 @@
 struct _p_PetscViewer;  // PETSc's, which only reduce/linalg sees
 
 /// The stiffness matrix of a tied model, factorised: the one place that knows whether a process works alone
-/// (its own multifrontal method on all its cores) or leads a team (MUMPS over all ranks).
+/// (its own multifrontal method on all its cores) or is one of a team (MUMPS over all ranks).
 namespace flexura::reduce {
 
 class ModelFactor {
  public:
   struct Impl;
-  /// K_ii with its diagonal doubled at the model's pins.  linalg::SingularMatrix (with dof -1 where a team
+  /// K_ii with its diagonal doubled at the model's pins, to `springs`.  linalg::SingularMatrix (with dof -1 where a team
   /// does not know it) where it is not positive definite to round-off.
-  static ModelFactor stiffness(const TiedModel& model, const linalg::FactorStorage& storage = {});
+  static ModelFactor stiffness(const TiedModel& model, const Eigen::VectorXd& springs,
+                               const linalg::FactorStorage& storage = {});
   /// K_ii + shift M_ii, indefinite, for its inertia; in `order`, or nested dissection where that is empty.
   /// std::runtime_error where the shift is all but an eigenvalue.
   static ModelFactor shifted(const TiedModel& model, double shift, std::vector<int> order = {},
@@ -28,10 +29,8 @@ class ModelFactor {
   ModelFactor& operator=(ModelFactor&&) noexcept;
 
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;
-  /// Writes PETSc's report of the solver to its viewer; nothing where a team has factorised.
+  /// Writes PETSc's report of the solver to its viewer.
   void view(_p_PetscViewer* viewer) const;
-  /// What a team has factorised; null where this process alone has.
-  const linalg::DistributedFactor* distributed() const;
   int n_negative() const;                 ///< pivots
   const std::vector<int>& order() const;  ///< empty where a team has factorised
   const linalg::FactorFigures& figures() const;
@@ -40,12 +39,5 @@ class ModelFactor {
   explicit ModelFactor(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
-
-/// On rank 0: the greatest peak memory of the others [bytes].
-double peak_memory_of_others(const linalg::Team& team);
-
-/// What the ranks that do not lead do until rank 0 sends them home: their shares of elements, factors and
-/// solves.
-void serve(const linalg::Team& team);
 
 }  // namespace flexura::reduce

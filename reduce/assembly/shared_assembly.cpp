@@ -1,26 +1,22 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/assembly/shared_assembly.hpp"
 
-// A model whose elements a team of processes computes.  Rank 0 numbers the dofs, cuts the mesh by METIS and
-// sends each rank its cells with the numbering; each rank adds up its own elements, K = sum of K_r, keeps K_r
-// and m_r for factorisations over all ranks, and sends them to rank 0, which has them all for products.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <numeric>
 #include <stdexcept>
 
 #include "mesh/partition/cell_parts.hpp"
+#include "reduce/assembly/ties/tied_averages.hpp"
+#include "reduce/assembly/ties/tied_checks.hpp"
 
 namespace flexura::reduce {
 namespace {
 
 using linalg::Message;
-using Task = linalg::Team::Task;
 
-// The cells of one part with what their matrices need.
-void put_cells(Message& message, const Part& part, const std::vector<int>& part_of, int rank) {
-  message.put_all(part.mesh.points.reshaped<Eigen::RowMajor>().eval());
+// The cells of one piece with what their matrices need; nodes by their numbers there.
+void put_cells(Message& message, const Part& part, const std::vector<int>& part_of, int rank,
+               const std::vector<int>& node_there) {
   message.put(part.mass);
   message.put(part.formulation);
   message.put(part.materials.size());
@@ -35,7 +31,8 @@ void put_cells(Message& message, const Part& part, const std::vector<int>& part_
     std::vector<std::int64_t> labels;
     for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell, ++number) {
       if (part_of[number] != rank) continue;
-      nodes.insert(nodes.end(), block.nodes.row(cell).begin(), block.nodes.row(cell).end());
+      for (const mesh::Index node : block.nodes.row(cell))
+        nodes.push_back(node_there[static_cast<std::size_t>(node)]);
       materials.push_back(block.material.empty() ? 0 : block.material[cell]);
       labels.push_back(block.label.empty() ? static_cast<std::int64_t>(number) : block.label[cell]);
     }
@@ -45,13 +42,17 @@ void put_cells(Message& message, const Part& part, const std::vector<int>& part_
     message.put_all(materials);
     message.put_all(labels);
   }
+  message.put(part.interfaces.size());
+  for (const InterfaceSpec& interface : part.interfaces) {
+    message.put_all(interface.name);
+    message.put(interface.tie);
+    message.put_array(interface.point.data(), 3);
+    message.put_all(interface.directions);
+  }
 }
 
 Part take_cells(Message& message) {
   Part part;
-  const auto points = message.take_all<double>();
-  part.mesh.points = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-      points.data(), static_cast<Eigen::Index>(points.size() / 3), 3);
   part.mass = message.take<MassKind>();
   part.formulation = message.take<Formulation>();
   part.materials.resize(message.take<std::size_t>());
@@ -70,17 +71,20 @@ Part take_cells(Message& message) {
     block.nodes.resize(n_cells, mesh::nodes_per_cell(block.type));
     std::copy(nodes.begin(), nodes.end(), block.nodes.data());
   }
+  part.interfaces.resize(message.take<std::size_t>());
+  for (InterfaceSpec& interface : part.interfaces) {
+    interface.name = message.take_text();
+    interface.tie = message.take<Tie>();
+    message.take_array(interface.point.data(), 3);
+    interface.directions = message.take_all<int>();
+  }
   return part;
 }
 
-// How a rank's share has ended: 0 well, 1 with what the user can mend, 2 otherwise.
-enum class Outcome : int { well, bad_input, failed };
-
-// A row belongs to the first part that has an element at its node.
-linalg::RowShares share_rows(const Part& part, const TiedNumbering& numbering,
-                             const std::vector<int>& part_of, int n_parts) {
-  const std::vector<int>& group_begin = numbering.group_begin();
-  std::vector<int> owner(group_begin.size() - 1, n_parts);
+// Of each group of interior dofs the rank that owns its rows: the first that has an element there.
+std::vector<int> owners_of_groups(const Part& part, const TiedNumbering& numbering,
+                                  const std::vector<int>& part_of, int n_parts) {
+  std::vector<int> owner(numbering.group_begin().size() - 1, n_parts);
   std::size_t cell = 0;
   for (const mesh::CellBlock& block : part.mesh.solids)
     for (Eigen::Index c = 0; c < block.nodes.rows(); ++c, ++cell)
@@ -88,12 +92,16 @@ linalg::RowShares share_rows(const Part& part, const TiedNumbering& numbering,
         const int group = numbering.group_of(node);
         if (group >= 0) owner[group] = std::min(owner[group], part_of[cell]);
       }
+  std::replace(owner.begin(), owner.end(), n_parts, 0);  // no element: held by masses, links or matrices
+  return owner;
+}
+
+linalg::RowShares share_rows(const TiedNumbering& numbering, const std::vector<int>& owner, int n_parts) {
+  const std::vector<int>& group_begin = numbering.group_begin();
   linalg::RowShares rows;
   rows.begin.assign(n_parts + 1, 0);
-  for (std::size_t g = 0; g < owner.size(); ++g) {
-    if (owner[g] == n_parts) owner[g] = 0;  // no element: held by masses or links
+  for (std::size_t g = 0; g < owner.size(); ++g)
     rows.begin[owner[g] + 1] += group_begin[g + 1] - group_begin[g];
-  }
   std::partial_sum(rows.begin.begin(), rows.begin.end(), rows.begin.begin());
   std::vector<int> next(rows.begin.begin(), rows.begin.end() - 1);
   rows.number.resize(numbering.n_i());
@@ -102,16 +110,79 @@ linalg::RowShares share_rows(const Part& part, const TiedNumbering& numbering,
   return rows;
 }
 
-}  // namespace
-
-ModelShare::ModelShare(Message& numbering, const Part& part, const AssemblyOptions& options)
-    : numbering_(numbering, part.mesh.points), matrices_(part, numbering_) {
-  matrices_.assemble(part, options);
+PartShare read_share(const linalg::Team& team, Message& message) {
+  Part part = take_cells(message);
+  PartShare share{.team = &team, .part = std::move(part), .numbering = TiedNumbering(message)};
+  share.part.mesh.points = share.numbering.points();
+  share.rows.number = message.take_all<int>();
+  share.rows.begin = message.take_all<int>();
+  share.n_i = share.rows.n();
+  share.n_nodes = message.take<int>();
+  share.pins = message.take_all<int>();
+  share.averaged_dofs = message.take_all<int>();
+  return share;
 }
 
-ModelShares assemble_together(const Part& part, const AssemblyOptions& options,
-                              const TiedNumbering& numbering, TiedMatrices& sum) {
-  const linalg::Team& team = *options.team;
+// A^T by the rows of each rank.
+void share_averages(PartShare& share, const linalg::RowShares* all,
+                    const Eigen::SparseMatrix<double, Eigen::RowMajor>* A) {
+  Eigen::MatrixXd At;
+  if (A) At = A->transpose();
+  linalg::RowShares rows = all ? *all : linalg::RowShares{{}, share.rows.begin};
+  share.At = linalg::scatter_rows(*share.team, rows, At);
+}
+
+}  // namespace
+
+NodeShares::NodeShares(const Part& part, const std::vector<int>& part_of, int n_ranks)
+    : nodes_(static_cast<std::size_t>(n_ranks)), places_(part.mesh.n_nodes(), {n_ranks, -1}) {
+  std::vector<std::vector<char>> has(nodes_.size(), std::vector<char>(part.mesh.n_nodes(), 0));
+  std::size_t cell = 0;
+  for (const mesh::CellBlock& block : part.mesh.solids)
+    for (Eigen::Index c = 0; c < block.nodes.rows(); ++c, ++cell)
+      for (const mesh::Index node : block.nodes.row(c)) {
+        has[static_cast<std::size_t>(part_of[cell])][node] = 1;
+        places_[node].first = std::min(places_[node].first, part_of[cell]);
+      }
+  // What is no cell is rank 0's, and so are nodes of none.
+  for (const NodalMass& mass : part.masses) has[0][mass.node] = 1;
+  for (const Link& link : part.links) has[0][link.from] = has[0][link.to] = 1;
+  for (const Follower& follower : part.followers) {
+    has[0][follower.point] = 1;
+    for (const auto& [node, C] : follower.from) has[0][node] = 1;
+  }
+  if (part.matrices)
+    for (const auto& pair : part.matrices->pairs)
+      for (const mesh::Index node : pair) has[0][node] = 1;
+  for (std::size_t node = 0; node < places_.size(); ++node)
+    if (places_[node].first == n_ranks) has[0][node] = 1, places_[node].first = 0;
+  for (std::size_t r = 0; r < nodes_.size(); ++r)
+    for (std::size_t node = 0; node < places_.size(); ++node) {
+      if (!has[r][node]) continue;
+      if (places_[node].first == static_cast<int>(r))
+        places_[node].second = static_cast<int>(nodes_[r].size());
+      nodes_[r].push_back(static_cast<mesh::Index>(node));
+    }
+}
+
+Eigen::MatrixX3d NodeShares::rows(const Eigen::MatrixX3d& field, int rank, bool once) const {
+  const std::vector<mesh::Index>& here = nodes(rank);
+  if (field.rows() == 0) return field;
+  Eigen::MatrixX3d out = Eigen::MatrixX3d::Zero(static_cast<Eigen::Index>(here.size()), 3);
+  for (std::size_t k = 0; k < here.size(); ++k)
+    if (!once || places_[here[k]].first == rank) out.row(static_cast<Eigen::Index>(k)) = field.row(here[k]);
+  return out;
+}
+
+struct SharedPart::Impl {
+  const linalg::Team& team;
+  const Part& part;
+  TiedNumbering numbering;
+  std::vector<int> part_of;
+  NodeShares nodes;
+};
+
+SharedPart::SharedPart(const linalg::Team& team, const Part& part) {
   if (!part.mesh.shells.empty() || !part.frames.empty())
     throw std::invalid_argument(
         "shells and beams are computed by one process: start the program without mpirun");
@@ -120,88 +191,117 @@ ModelShares assemble_together(const Part& part, const AssemblyOptions& options,
         "parts with constraints (*EQUATION, MPC, *TIE between nodes) are computed by one process: start the "
         "program without "
         "mpirun");
-  const std::vector<int> part_of = mesh::cell_parts(part.mesh, team.size());
-  ModelShares shares{&team, share_rows(part, numbering, part_of, team.size()), nullptr};
-  Message numbers;
-  numbering.put(numbers);
-  team.call(Task::take_share);
-  team.together([&] {
-    for (int rank = 1; rank < team.size(); ++rank) {
-      Message message;
-      put_cells(message, part, part_of, rank);
-      message.put(options.shift);
-      message.put_all(shares.rows.number);
-      message.put_all(shares.rows.begin);
-      message.put_array(numbers.bytes().data(), numbers.bytes().size());
-      team.send(message, rank);
-    }
-  });
-  // What is no cell is rank 0's.  Whatever goes wrong here, the others' answers are taken first.
-  Outcome outcome = Outcome::well;
-  std::string text;
-  try {
-    Message cells;
-    put_cells(cells, part, part_of, 0);
-    Part own = take_cells(cells);
-    own.matrices = part.matrices;
-    own.masses = part.masses;
-    own.links = part.links;
-    AssemblyOptions alone = options;
-    alone.team = nullptr;
-    shares.own = std::make_unique<ModelShare>(numbers, own, alone);
-  } catch (const std::invalid_argument& error) {
-    outcome = Outcome::bad_input;
-    text = error.what();
-  } catch (const std::exception& error) {
-    outcome = Outcome::failed;
-    text = error.what();
-  }
-  sum.begin_sum();
-  for (int rank = 0; rank < team.size(); ++rank) {
-    Message answer;
-    if (rank == 0) {
-      if (!shares.own) continue;
-      shares.own->matrices().put(answer);
-    } else {
-      answer = team.receive(rank);
-      const auto theirs = answer.take<Outcome>();
-      if (theirs != Outcome::well) {
-        outcome = theirs;
-        text = answer.take_text();
-      }
-    }
-    if (outcome == Outcome::well) sum.add(answer);
-  }
-  if (outcome == Outcome::bad_input) throw std::invalid_argument(text);
-  if (outcome == Outcome::failed) throw std::runtime_error(text);
-  return shares;
+  TiedNumbering numbering = checked_numbering(part, false);
+  std::vector<int> part_of = mesh::cell_parts(part.mesh, team.size());
+  NodeShares nodes(part, part_of, team.size());
+  impl_.reset(new Impl{team, part, std::move(numbering), std::move(part_of), std::move(nodes)});
 }
 
-std::unique_ptr<ModelShare> take_share(const linalg::Team& team, linalg::RowShares& rows) {
-  Message message = team.receive(0), answer;
-  std::unique_ptr<ModelShare> share;
-  const auto failed = [&](Outcome outcome, const char* what) {
-    share.reset();
-    answer = {};
-    answer.put(outcome);
-    answer.put_all(std::string_view(what));
+SharedPart::~SharedPart() = default;
+
+const NodeShares& SharedPart::nodes() const {
+  return impl_->nodes;
+}
+
+PartShare SharedPart::hand_out() const {
+  const auto& [team, part, numbering, part_of, nodes] = *impl_;
+  const std::vector<int> owner = owners_of_groups(part, numbering, part_of, team.size());
+  const linalg::RowShares all = share_rows(numbering, owner, team.size());
+  const TiedAverages averages(part, numbering);
+  std::vector<int> pins = choose_pins(numbering);
+  for (int& pin : pins) pin = all.number[pin];
+  std::vector<int> node_there(part.mesh.n_nodes(), -1);
+  const auto put_share = [&](Message& message, int rank) {
+    const std::vector<mesh::Index>& here = nodes.nodes(rank);
+    for (std::size_t k = 0; k < here.size(); ++k) node_there[here[k]] = static_cast<int>(k);
+    put_cells(message, part, part_of, rank, node_there);
+    std::vector<int> groups;
+    for (std::size_t g = 0; g < owner.size(); ++g)
+      if (owner[g] == rank) groups.push_back(static_cast<int>(g));
+    const TiedNumbering::Share share = numbering.share(here, groups);
+    share.numbering.put(message);
+    std::vector<int> numbers;
+    for (const int dof : share.dofs) numbers.push_back(all.number[dof]);
+    message.put_all(numbers);
+    message.put_all(all.begin);
+    message.put(numbering.n_nodes());
+    message.put_all(pins);
+    message.put_all(averages.dofs());
   };
-  try {
-    const Part part = take_cells(message);
-    AssemblyOptions options;
-    options.shift = message.take<double>();
-    rows.number = message.take_all<int>();
-    rows.begin = message.take_all<int>();
-    share = std::make_unique<ModelShare>(message, part, options);
-    answer.put(Outcome::well);
-    share->matrices().put(answer);
-  } catch (const std::invalid_argument& error) {
-    failed(Outcome::bad_input, error.what());
-  } catch (const std::exception& error) {
-    failed(Outcome::failed, error.what());
+  for (int rank = 1; rank < team.size(); ++rank) {
+    Message message;
+    put_share(message, rank);
+    team.send(message, rank);
   }
-  team.send(answer, 0);
+  Message message;
+  put_share(message, 0);
+  PartShare own = read_share(team, message);
+  own.place_of_node = nodes.places();
+  own.part.matrices = part.matrices;
+  own.part.masses = part.masses;
+  own.part.links = part.links;
+  own.part.followers = part.followers;
+  if (own.part.matrices)
+    for (auto& pair : own.part.matrices->pairs)
+      for (mesh::Index& node : pair) node = node_there[node];
+  for (NodalMass& mass : own.part.masses) mass.node = node_there[mass.node];
+  for (Link& link : own.part.links)
+    for (mesh::Index* node : {&link.from, &link.to}) *node = node_there[*node];
+  for (Follower& follower : own.part.followers) {
+    follower.point = node_there[follower.point];
+    for (auto& from : follower.from) from.first = node_there[from.first];
+  }
+  share_averages(own, &all, &averages.A());
+  return own;
+}
+
+PartShare take_share(const linalg::Team& team) {
+  Message message = team.receive(0);
+  PartShare share = read_share(team, message);
+  share_averages(share, nullptr, nullptr);
   return share;
+}
+
+Eigen::MatrixXd collect_nodes(const PartShare& share, const Eigen::Ref<const Eigen::MatrixXd>& U,
+                              const std::vector<mesh::Index>& nodes) {
+  using Eigen::Index;
+  constexpr Index kColumns = 32;  // together, to bound the memory of what is packed
+  const linalg::Team& team = *share.team;
+  const bool leads = team.rank() == 0;
+  const auto n_ranks = static_cast<std::size_t>(team.size());
+  // Of each rank the nodes there that are wanted, and where they go.
+  std::vector<std::vector<int>> there(n_ranks), wanted(n_ranks);
+  if (leads)
+    for (std::size_t v = 0; v < nodes.size(); ++v) {
+      const auto [rank, place] = share.place_of_node[nodes[v]];
+      there[static_cast<std::size_t>(rank)].push_back(place);
+      wanted[static_cast<std::size_t>(rank)].push_back(static_cast<int>(v));
+    }
+  for (int rank = 1; leads && rank < team.size(); ++rank) {
+    Message message;
+    message.put_all(there[static_cast<std::size_t>(rank)]);
+    team.send(message, rank);
+  }
+  const std::vector<int> mine = leads ? there[0] : team.receive(0).take_all<int>();
+  Eigen::MatrixXd all(leads ? 3 * static_cast<Index>(nodes.size()) : 0, leads ? U.cols() : 0);
+  Eigen::MatrixXd own, packed;
+  for (Index first = 0; first < U.cols(); first += kColumns) {
+    const Index width = std::min(kColumns, U.cols() - first);
+    own.resize(3 * width, static_cast<Index>(mine.size()));  // a node's numbers together
+    for (std::size_t k = 0; k < mine.size(); ++k)
+      own.col(static_cast<Index>(k)) = U.block(3 * static_cast<Index>(mine[k]), first, 3, width).reshaped();
+    std::vector<int> counts;
+    for (const auto& list : wanted)
+      counts.push_back(static_cast<int>(list.size()) * 3 * static_cast<int>(width));
+    counts[static_cast<std::size_t>(team.rank())] = static_cast<int>(own.size());
+    if (leads) packed.resize(3 * width, static_cast<Index>(nodes.size()));
+    team.gather(own.data(), counts, packed.data());
+    Index at = 0;
+    for (const auto& list : wanted)
+      for (const int v : list)
+        all.block(3 * static_cast<Index>(v), first, 3, width) = packed.col(at++).reshaped(3, width);
+  }
+  return all;
 }
 
 }  // namespace flexura::reduce

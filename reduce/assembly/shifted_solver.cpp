@@ -13,7 +13,7 @@ ShiftedSolver::ShiftedSolver(const TiedModel& model, double omega2, std::vector<
   const auto& A = model.A();
   if (A.rows() == 0) return;
   Z_ = factor_.solve(Eigen::MatrixXd(A.transpose()));
-  const Eigen::MatrixXd S = A * Z_;
+  const Eigen::MatrixXd S = model.sum(A * Z_);
   small_.compute(S);
   const Eigen::VectorXd values = linalg::symmetric_eigen(-0.5 * (S + S.transpose())).values;
   n_below_ += static_cast<int>((values.array() < 0.0).count()) - static_cast<int>(A.rows());
@@ -21,7 +21,7 @@ ShiftedSolver::ShiftedSolver(const TiedModel& model, double omega2, std::vector<
 
 Eigen::MatrixXd ShiftedSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& F) const {
   Eigen::MatrixXd U = factor_.solve(F);
-  if (Z_.cols() > 0) U.noalias() -= Z_ * small_.solve(model_.A() * U);
+  if (Z_.cols() > 0) U.noalias() -= Z_ * small_.solve(model_.sum(model_.A() * U));
   return U;
 }
 

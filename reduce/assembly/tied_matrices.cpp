@@ -13,23 +13,6 @@
 #include "reduce/linalg/dense/parallel.hpp"
 
 namespace flexura::reduce {
-namespace {
-
-using linalg::Message;
-
-void put_matrix(Message& message, const linalg::UpperCsr& A) {
-  message.put_all(A.row_begin);
-  message.put_all(A.columns);
-  message.put_all(A.values);
-}
-
-void add_matrix(Message& message, linalg::SymmetricMatrix& A) {
-  const auto row_begin = message.take_all<int>(), columns = message.take_all<int>();
-  const auto values = message.take_all<double>();
-  A.add({static_cast<int>(row_begin.size()) - 1, row_begin, columns, values});
-}
-
-}  // namespace
 
 TiedMatrices::TiedMatrices(const Part& part, const TiedNumbering& numbering) : numbering_(numbering) {
   TiedPatterns patterns = tied_patterns(part, numbering);
@@ -277,48 +260,9 @@ void TiedMatrices::multiply_M_ii(const Eigen::Ref<const Eigen::MatrixXd>& X, Eig
 Eigen::Matrix3d direction_projector(const TiedNumbering& numbering, const Link& link) {
   const TiedNumbering::Points& points = numbering.points();
   const Eigen::Vector3d line = (points.row(link.to) - points.row(link.from)).transpose();
-  const double size = (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
   // Closer than round-off of coordinates tells no direction.
-  if (line.norm() < 1e-9 * size) return Eigen::Matrix3d::Identity();
+  if (line.norm() < 1e-9 * numbering.length()) return Eigen::Matrix3d::Identity();
   return line * line.transpose() / line.squaredNorm();
-}
-
-void TiedMatrices::begin_sum() {
-  K_ii_->finish();
-  m_->finish();
-  K_ib_.resize(numbering_.n_i(), numbering_.n_b());
-  K_bb_.setZero(numbering_.n_b(), numbering_.n_b());
-}
-
-void TiedMatrices::put(Message& message) const {
-  put_matrix(message, K_ii_->csr());
-  put_matrix(message, m_->csr());
-  std::vector<int> rows, columns;
-  std::vector<double> values;
-  for (int column = 0; column < K_ib_.outerSize(); ++column)
-    for (Eigen::SparseMatrix<double>::InnerIterator entry(K_ib_, column); entry; ++entry) {
-      rows.push_back(static_cast<int>(entry.row()));
-      columns.push_back(column);
-      values.push_back(entry.value());
-    }
-  message.put_all(rows);
-  message.put_all(columns);
-  message.put_all(values);
-  message.put_all(K_bb_.reshaped().eval());
-}
-
-void TiedMatrices::add(Message& message) {
-  add_matrix(message, *K_ii_);
-  add_matrix(message, *m_);
-  const auto rows = message.take_all<int>(), columns = message.take_all<int>();
-  const auto values = message.take_all<double>();
-  std::vector<Eigen::Triplet<double>> triplets;
-  for (std::size_t k = 0; k < rows.size(); ++k) triplets.emplace_back(rows[k], columns[k], values[k]);
-  Eigen::SparseMatrix<double> K_ib(numbering_.n_i(), numbering_.n_b());
-  K_ib.setFromTriplets(triplets.begin(), triplets.end());
-  K_ib_ += K_ib;
-  const auto K_bb = message.take_all<double>();
-  K_bb_ += Eigen::Map<const Eigen::MatrixXd>(K_bb.data(), numbering_.n_b(), numbering_.n_b());
 }
 
 }  // namespace flexura::reduce

@@ -8,7 +8,6 @@
 #include "reduce/assembly/ties/tied_numbering.hpp"
 #include "reduce/linalg/dense/progress.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
-#include "reduce/linalg/petsc/team.hpp"
 
 namespace flexura::reduce {
 
@@ -17,8 +16,6 @@ struct AssemblyOptions {
   double shift = 0.0;
   /// Accepts interfaces that do not hold the body (with a shift, or to be clamped otherwise).
   bool may_be_free = false;
-  /// Whose ranks compute the elements together, each its part of the mesh; null: this process alone.
-  const linalg::Team* team = nullptr;
   linalg::Progress progress;
 };
 
@@ -42,11 +39,6 @@ class TiedMatrices {
   linalg::SymmetricMatrix shifted_stiffness(double shift) const;
   /// Y = M_ii X.
   void multiply_M_ii(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const;
-
-  // Sums of the shares of a team: zero, then what each has put into a message.
-  void begin_sum();
-  void put(linalg::Message& message) const;
-  void add(linalg::Message& message);
 
  private:
   const TiedNumbering& numbering_;

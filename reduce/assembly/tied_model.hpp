@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "reduce/assembly/shared_assembly.hpp"
@@ -34,12 +35,15 @@ class TiedModel {
   /// interface, interfaces that share nodes or are too narrow, interfaces that leave a rigid motion free,
   /// pieces that hang on nothing, inverted elements, materials that are missing.
   explicit TiedModel(const Part& part, const AssemblyOptions& options = {});
+  /// Of what this rank of a team has of a part, which must outlive it.  Collective, as are all functions marked so, within
+  /// Team::in_step().
+  explicit TiedModel(const PartShare& share, const AssemblyOptions& options = {});
   TiedModel(const TiedModel&) = delete;
   TiedModel& operator=(const TiedModel&) = delete;
 
   const TiedNumbering& numbering() const { return numbering_; }
-  int n_nodes() const { return numbering_.n_nodes(); }
-  int n_i() const { return numbering_.n_i(); }
+  int n_nodes() const { return numbering_.n_nodes(); }  ///< here
+  int n_i() const { return n_i_; }                      ///< of all ranks
   int n_b() const { return numbering_.n_b(); }
   int n_interfaces() const { return numbering_.n_interfaces(); }
   /// C and its transpose.
@@ -48,23 +52,59 @@ class TiedModel {
   const TiedMatrices& matrices() const { return matrices_; }
   const linalg::SymmetricMatrix& K_ii() const { return matrices_.K_ii(); }
   const Eigen::SparseMatrix<double>& K_ib() const { return matrices_.K_ib(); }  ///< n_i x n_b
-  const Eigen::MatrixXd& K_bb() const { return matrices_.K_bb(); }
+  const Eigen::MatrixXd& K_bb() const { return K_bb_; }
   const linalg::SymmetricMatrix& m() const { return matrices_.m(); }  ///< n_nodes x n_nodes [kg]
-  /// n_a x n_i: averages of u_i; row r equals boundary dof averaged_dofs()[r].
+  /// n_a x n_rows: averages of u_i; row r equals boundary dof averaged_dofs()[r].
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& A() const { return averages_.A(); }
   const std::vector<int>& averaged_dofs() const { return averages_.dofs(); }
   /// Interior dofs at which weak springs would hold what the ties with stiffness of their own do not (0 to 6
-  /// of them).
+  /// of them): the rows here, kElsewhere where another rank has them.
   const std::vector<int>& pins() const { return pins_; }
-  const ModelShares& shares() const { return shares_; }
+  static constexpr int kElsewhere = -1;
+  Eigen::VectorXd pin_stiffness() const;  ///< diagonal entries of K_ii there; collective
+
+  // Vectors of the interior (u_i) by the rows that this process has: all of them, or those that this rank of a team owns.
+  int n_rows() const { return n_rows_; }
+  const PartShare* share() const { return share_; }  ///< of a team; null where this process works alone
+  bool leads() const { return !share_ || share_->team->rank() == 0; }
+
+  // Collective.
+  void multiply_K(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const;
+  void multiply_magnitudes(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const;
+  void multiply_M(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const;
+  Eigen::MatrixXd dense_K_ib() const;  ///< n_rows x n_b
+  /// C and its transpose for the nodes here; F: what the elements here contribute to forces on them.
+  void expand(const Eigen::Ref<const Eigen::MatrixXd>& u_i, const Eigen::Ref<const Eigen::MatrixXd>& u_b,
+              Eigen::MatrixXd& U) const;
+  void gather(const Eigen::Ref<const Eigen::MatrixXd>& F, Eigen::MatrixXd& f_i, Eigen::MatrixXd& f_b) const;
+  /// Over all ranks: sums of numbers, A^T B, the Frobenius norm.
+  Eigen::MatrixXd sum(Eigen::MatrixXd terms) const;
+  Eigen::MatrixXd inner(const Eigen::Ref<const Eigen::MatrixXd>& A,
+                        const Eigen::Ref<const Eigen::MatrixXd>& B) const;
+  double norm(const Eigen::MatrixXd& A) const;
+  /// Rank 0's, for all.
+  void share(Eigen::MatrixXd& small) const;
+  bool decide(bool here) const;
+  /// Rows of U (3 n_nodes x k) at nodes of the whole part, which rank 0 names and is given; others get nothing.
+  Eigen::MatrixXd at_nodes(const Eigen::Ref<const Eigen::MatrixXd>& U,
+                           const std::vector<mesh::Index>& nodes) const;
+
+  /// Of what numbering() says of its interior dofs the rows that are owned here.
+  Eigen::MatrixXd own_rows(Eigen::MatrixXd interior) const;
 
  private:
+  template <class Product>
+  void shared(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y, const Product& product) const;
+
   TiedNumbering numbering_;
   std::vector<int> pins_;
   TiedAverages averages_;
   TiedMotions motions_;
   TiedMatrices matrices_;
-  ModelShares shares_;
+  const PartShare* share_ = nullptr;
+  std::unique_ptr<linalg::RowExchange> exchange_;
+  int n_i_ = 0, n_rows_ = 0;
+  Eigen::MatrixXd K_bb_;
 };
 
 }  // namespace flexura::reduce

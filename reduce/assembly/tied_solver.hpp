@@ -22,7 +22,8 @@ namespace flexura::reduce {
 
 class TiedSolver {
  public:
-  /// Factorises.  The model must outlive the solver.  A mechanism (two solids that share a single node, say)
+  /// Factorises.  The model must outlive the solver.  Vectors are by the model's rows, and what it does is collective where
+  /// a team shares the model.  A mechanism (two solids that share a single node, say)
   /// is refused with std::invalid_argument that names node and direction.
   explicit TiedSolver(const TiedModel& model, const linalg::Progress& progress = {},
                       const linalg::FactorStorage& storage = {});
@@ -31,25 +32,18 @@ class TiedSolver {
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& F) const;
 
   struct Solution {
-    Eigen::MatrixXd U;   ///< n_i x k
+    Eigen::MatrixXd U;   ///< n_rows x k
     Eigen::MatrixXd mu;  ///< n_a x k
   };
   /// Prescribed averages g (n_a x k), with iterative refinement until the residual is round-off.
   Solution solve_refined(const Eigen::Ref<const Eigen::MatrixXd>& F,
                          const Eigen::Ref<const Eigen::MatrixXd>& g) const;
 
-  /// Takes away from R (n_i x k) what is a combination of the rows of A: the reactions of fixed averages.
+  /// Takes away from R (n_rows x k) what is a combination of the rows of A: the reactions of fixed averages.
   void remove_reactions(Eigen::MatrixXd& R) const;
 
   /// Writes PETSc's report of the solver of K' to its viewer.
   void view(_p_PetscViewer* viewer) const { factor_.view(viewer); }
-
-  /// V, Z = K'^-1 V (n_i x (n_a + n_p)) and V^T Z - S of the equations above.
-  struct Border {
-    Eigen::MatrixXd V, Z, small;
-    Eigen::Index n_averages = 0;
-  };
-  Border border() const;
 
   const TiedModel& model() const { return model_; }
   const ModelFactor& factor() const { return factor_; }
@@ -61,6 +55,7 @@ class TiedSolver {
                       const Eigen::Ref<const Eigen::MatrixXd>& g) const;
 
   const TiedModel& model_;
+  Eigen::VectorXd springs_;
   ModelFactor factor_;
   Eigen::MatrixXd Z_;  ///< K'^-1 V
   Eigen::PartialPivLU<Eigen::MatrixXd> small_;

@@ -7,9 +7,9 @@
 #include <optional>
 #include <stdexcept>
 
-#include "reduce/assembly/shared_modes.hpp"
 #include "reduce/assembly/tied_solver.hpp"
 #include "reduce/cms/errors/choose_modes.hpp"
+#include "reduce/cms/errors/judged_states.hpp"
 #include "reduce/cms/projection.hpp"
 #include "reduce/cms/result/mesh_share.hpp"
 #include "reduce/cms/shapes/basis.hpp"
@@ -18,7 +18,9 @@
 #include "reduce/cms/shapes/interface_modes.hpp"
 #include "reduce/cms/shapes/shape_change.hpp"
 #include "reduce/cms/shapes/sturm.hpp"
+#include "reduce/cms/team_reduction.hpp"
 #include "reduce/estimate/enriched_error.hpp"
+#include "reduce/linalg/dense/blas_threads.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 #include "reduce/linalg/eigen/block_lanczos.hpp"
 #include "reduce/linalg/eigen/eigensolver.hpp"
@@ -31,8 +33,10 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-void require_finite(const MatrixXd& X, const char* what) {
-  if (!X.allFinite()) throw std::runtime_error(std::string(what) + " hold a number that is not finite");
+// On all ranks alike.
+void require_finite(const TiedModel& model, const MatrixXd& X, const char* what) {
+  if (model.sum(MatrixXd::Constant(1, 1, X.allFinite() ? 0.0 : 1.0))(0, 0) > 0.0)
+    throw std::runtime_error(std::string(what) + " hold a number that is not finite");
 }
 
 // Interface modes of elastic ties; the averaging model and its factor are gone on return.
@@ -60,31 +64,12 @@ InterfaceModes faces_of(const Part& whole, const TiedSolver& stiff, const Constr
 // Beside the factor stand the eigensolver's basis and blocks and the retained shapes.
 linalg::FactorStorage storage_for(const TiedModel& model, const ReductionOptions& options) {
   linalg::FactorStorage storage = options.storage;
-  const double vector = sizeof(double) * std::max(1.0, static_cast<double>(model.n_i()));
+  const double vector = sizeof(double) * std::max(1.0, static_cast<double>(model.n_rows()));
   const int n_vectors =
       linalg::block_lanczos_vectors(options.n_modes, 16, 0.25 * linalg::available_memory() / vector) +
       2 * model.n_b() + options.n_modes + 100;
   storage.reserve += vector * n_vectors;
   return storage;
-}
-
-// What the modes left out add to free modes of the reduced body: lambda F_rs Mhat u_b, F_rs = K_ii^-1 - Phi Omega^-2 Phi^T (mode
-// acceleration: N. E. Hansteen, K. Bell, Earthq. Eng. Struct. Dyn. 7 (1979) 325), exact to (lambda / omega_dropped^2)^2.  The
-// estimate of the mesh's error would take what the reduction lacks for the mesh's.
-void add_dropped(const TiedModel& model, const Basis& basis, const MatrixXd& Mhat, const MatrixXd& answer,
-                 const JudgedMotions& motions, MatrixXd& U) {
-  const Index k = motions.n_modes;
-  if (k == 0) return;
-  const MatrixXd u_b =
-      motions.states.Y.topLeftCorner(Mhat.cols(), k) * motions.states.lambda.head(k).asDiagonal();
-  MatrixXd interior = linalg::times(answer, u_b), more;
-  if (basis.Phi.cols() > 0) {
-    const MatrixXd kept =
-        basis.omega2.cwiseInverse().asDiagonal() * (linalg::transpose_times(basis.Phi, Mhat) * u_b);
-    interior -= linalg::times(basis.Phi, kept);
-  }
-  model.motions().expand(interior, MatrixXd::Zero(model.n_b(), k), more);
-  U.leftCols(k) += more;
 }
 
 // Between which modes the normal modes end.
@@ -98,32 +83,38 @@ struct Cut {
 // All but the certificate, a stage each.  The factor is gone with it: the certificate's takes its place in memory.
 class ReductionStages {
  public:
-  // `part`, of which `model` is, is `whole` with its elastic ties rigid.
+  // `part`, of which `model` is, is `whole` with its elastic ties rigid; a rank of a team that does not lead gives its share
+  // for both.
   ReductionStages(const Part& whole, const Part& part, const TiedModel& model,
                   const ReductionOptions& options, Reduction& reduction)
       : whole_(whole),
         part_(part),
+        here_(model.share() ? model.share()->part : part),
         model_(model),
         options_(options),
         reduction_(reduction),
         fixed_modes_(options.set == ModeSet::craig_bampton),
-        solver_(model, options.progress, storage_for(model, options)) {
+        wants_stress_(model.decide(!options.stress_nodes.empty())),
+        solver_(std::in_place, model, options.progress, storage_for(model, options)) {
     watch_.lap();
-    report_.factor = solver_.figures();
+    report_.factor = solver_->figures();
+    take_cores();
   }
 
   Cut run() {
     find_constraint_modes();
     answer_acceleration();
-    const linalg::EigenProblem problem = fixed_interface_problem(model_, solver_, options_.storage);
+    const linalg::EigenProblem problem = fixed_interface_problem(model_, *solver_, options_.storage);
     linalg::EigenPairs pairs = find_normal_modes(problem);
     Cut cut;
     if (fixed_modes_ && pairs.omega2.size() > 0)
       cut = {pairs.omega2(pairs.omega2.size() - 1), pairs.omega2_next, static_cast<int>(pairs.omega2.size()),
-             pairs.counted, solver_.order()};
+             pairs.counted, solver_->order()};
     const double omega2_left_out = pairs.omega2_next;
     make_basis(problem, std::move(pairs));
     project_basis();
+    stiffen();
+    solver_.reset();  // what follows takes memory of its own
     if (options_.estimate_error && fixed_modes_ && !has_faces()) estimate_dropped(omega2_left_out);
     estimate_mesh();
     recover();
@@ -135,8 +126,8 @@ class ReductionStages {
   void find_constraint_modes() {
     stage_.next("Constraint modes");
     linalg::report(options_.progress, "constraint modes", 0.0);
-    constraint_ = constraint_modes(model_, solver_);
-    require_finite(constraint_.Psi, "the constraint modes");
+    constraint_ = constraint_modes(model_, *solver_);
+    require_finite(model_, constraint_.Psi, "the constraint modes");
     report_.constraint_residual = constraint_.residual;
     report_.rigid_strain = constraint_.rigid_strain;
     report_.rigid_error = constraint_.rigid_error;
@@ -152,24 +143,24 @@ class ReductionStages {
     if (!fixed_modes_ || !(options_.estimate_error || by_goal() || !options_.response_omegas.empty())) return;
     const Index n_b = model_.n_b();
     MatrixXd U, M_U, boundary;
-    model_.motions().expand(constraint_.Psi, MatrixXd::Identity(n_b, n_b), U);
+    model_.expand(constraint_.Psi, MatrixXd::Identity(n_b, n_b), U);
     model_.m().multiply_kron3(U, M_U);
-    model_.motions().gather(M_U, Mhat_, boundary);
+    model_.gather(M_U, Mhat_, boundary);
     interior_.K_bb = constraint_.K_bb;
-    interior_.M_bb = linalg::transpose_times(U, M_U);
+    interior_.M_bb = model_.inner(U, M_U);
     interior_.M_bb = (0.5 * (interior_.M_bb + interior_.M_bb.transpose())).eval();
-    answer_ = solver_.solve(Mhat_);
-    interior_.compliance = linalg::transpose_times(Mhat_, answer_);
+    answer_ = solver_->solve(Mhat_);
+    interior_.compliance = model_.inner(Mhat_, answer_);
     MatrixXd M_answer;
-    model_.matrices().multiply_M_ii(answer_, M_answer);
-    interior_.growth = linalg::transpose_times(answer_, M_answer);
+    model_.multiply_M(answer_, M_answer);
+    interior_.growth = model_.inner(answer_, M_answer);
     report_.seconds_estimate = watch_.lap();
   }
 
   linalg::EigenPairs find_normal_modes(const linalg::EigenProblem& problem) {
     stage_.next("Normal modes");
     linalg::EigenPairs pairs;
-    pairs.Phi.resize(model_.n_i(), 0);
+    pairs.Phi.resize(model_.n_rows(), 0);
     const auto solve_for = [&](int count, double omega) {
       if (problem.n_free == 0) {  // all dofs are the interfaces': a beam between two of them
         pairs.omega2_next = std::numeric_limits<double>::infinity();
@@ -177,11 +168,10 @@ class ReductionStages {
       }
       const linalg::EigenRequest request{count, omega * omega, options_.tolerance};
       const bool krylov = options_.eigensolver == Eigensolver::krylov_schur;
-      pairs = options_.team ? find_shared_modes(solver_, request, krylov, options_.progress)
-              : krylov      ? linalg::krylov_schur(problem, request, options_.progress)
-                            : linalg::block_lanczos(problem, request, options_.progress);
-      if (Mhat_.size() == 0) return;
-      interior_.participation = linalg::transpose_times(pairs.Phi, Mhat_);
+      pairs = krylov ? linalg::krylov_schur(problem, request, options_.progress)
+                     : linalg::block_lanczos(problem, request, options_.progress);
+      if (Mhat_.cols() == 0) return;
+      interior_.participation = model_.inner(pairs.Phi, Mhat_);
       interior_.omega2 = pairs.omega2;
       interior_.omega2_next = pairs.omega2_next;
     };
@@ -189,7 +179,7 @@ class ReductionStages {
       choose_modes(model_, options_, interior_, solve_for, pairs, report_);
     else if (fixed_modes_ && (options_.n_modes > 0 || options_.omega_max > 0.0))
       solve_for(options_.n_modes, options_.omega_max);
-    require_finite(pairs.Phi, "the normal modes");
+    require_finite(model_, pairs.Phi, "the normal modes");
     report_.mode_residual = pairs.residual;
     report_.mode_round_off = pairs.round_off;
     report_.solved_right_hand_sides = pairs.n_solves;
@@ -199,15 +189,15 @@ class ReductionStages {
 
   void make_basis(const linalg::EigenProblem& problem, linalg::EigenPairs&& pairs) {
     if (options_.set == ModeSet::craig_chang) {
-      basis_ = craig_chang_basis(part_, model_, solver_, constraint_, options_, report_);
+      basis_ = craig_chang_basis(part_, model_, *solver_, constraint_, options_, report_);
       report_.seconds_normal_modes = watch_.lap();
     } else {
-      basis_ = fixed_interface_basis(part_, model_, solver_, problem, constraint_, Mhat_, std::move(pairs),
+      basis_ = fixed_interface_basis(part_, model_, *solver_, problem, constraint_, Mhat_, std::move(pairs),
                                      options_, report_);
     }
     stage_.next("Interface modes");
     if (&whole_ == &part_) return;
-    faces_ = faces_of(whole_, solver_, constraint_, options_, report_);
+    faces_ = faces_of(whole_, *solver_, constraint_, options_, report_);
     watch_.lap();
   }
 
@@ -222,7 +212,7 @@ class ReductionStages {
 
   void estimate_dropped(double omega2_left_out) {
     // F_rs = K_ii^-1 - Phi Omega^-2 Phi^T, extra shapes included: they are K- and M-orthogonal like modes.
-    const MatrixXd participation = linalg::transpose_times(basis_.Phi, Mhat_);  // n_q x n_b
+    const MatrixXd participation = model_.inner(basis_.Phi, Mhat_);  // n_q x n_b
     DroppedModes dropped = dropped_modes(interior_, participation, basis_.omega2);
     reduction_.dropped = std::move(dropped.share);
     reduction_.dropped_growth = std::move(dropped.growth);
@@ -235,6 +225,13 @@ class ReductionStages {
     report_.seconds_estimate += watch_.lap();
   }
 
+  void stiffen() {
+    if (!options_.stiffening) return;
+    reduction_.stiffening =
+        stiffening_terms(here_, *solver_, constraint_.Psi, constraint_.K_bb, T_, options_.progress);
+    report_.seconds_stiffening = watch_.lap();
+  }
+
   // The estimate knows solids only: with shells or beams the mesh's share is unknown.  What it adds to nearly incompressible
   // elements is held by the bulk modulus as they are themselves.
   void estimate_mesh() {
@@ -243,16 +240,22 @@ class ReductionStages {
       return;
     stage_.next("Error of the mesh");
     const double before = linalg::processor_seconds();
-    motions_ = judged_motions(reduction_, options_.omega_max);
+    if (model_.leads()) motions_ = judged_motions(reduction_, options_.omega_max);
+    share_motions(model_, motions_);
     if (motions_.states.Y.cols() == 0) return;  // one interface and no modes: rigid
-    MeshEnergy left;
-    const bool enriched = enrichment_suits(whole_);
+    // From here on the states on all nodes of the whole part, on rank 0 of a team.
+    MatrixXd U = linalg::times(T_, motions_.states.Y);
+    const bool enriched = model_.decide(enrichment_suits(whole_));
+    if (wants_stress_ || !enriched) states_ = on_all_nodes(model_, enriched ? U : std::move(U));
     if (enriched) {
-      MatrixXd U = linalg::times(T_, motions_.states.Y);
-      if (answer_.size() > 0 && !has_faces()) add_dropped(model_, basis_, Mhat_, answer_, motions_, U);
-      left = enriched_energy(part_, U, motions_.states.lambda, motions_.states.force, options_.progress);
-    } else
-      left = recovered_energy(part_, T_ * motions_.states.Y, options_.progress);
+      if (answer_.cols() > 0 && !has_faces()) add_dropped(model_, basis_, Mhat_, answer_, motions_, U);
+      U = on_all_nodes(model_, std::move(U));
+    }
+    if (!model_.leads()) return;
+    cores_.reset();  // the other ranks sleep
+    const MeshEnergy left =
+        enriched ? enriched_energy(part_, U, motions_.states.lambda, motions_.states.force, options_.progress)
+                 : recovered_energy(part_, states_, options_.progress);
     if (left.known()) {
       reduction_.mesh = mesh_share(motions_, left);
       reduction_.mesh->rough = !enriched;
@@ -260,25 +263,27 @@ class ReductionStages {
     }
     report_.seconds_mesh_error = watch_.lap();
     report_.processor_seconds_mesh_error = linalg::processor_seconds() - before;
+    take_cores();
   }
 
-  // Loads, stiffening and stresses on the shapes.
+  void take_cores() {
+    if (const PartShare* share = model_.share()) cores_.emplace(share->team->cores_each());
+  }
+
+  // Loads and stresses on the shapes.
   void recover() {
+    if (const PartShare* share = model_.share()) share->team->meet();
     stage_.next("Projection");
-    project_loads(part_, model_, T_, options_, reduction_);
-    if (options_.stiffening) {
-      reduction_.stiffening =
-          stiffening_terms(part_, solver_, constraint_.Psi, constraint_.K_bb, T_, options_.progress);
-      report_.seconds_stiffening = watch_.lap();
-    }
-    if (options_.stress_nodes.empty()) return;
-    reduction_.stress_modes = stress_modes(part_, model_, basis_, T_, options_);
+    project_loads(here_, model_, T_, options_, reduction_);
+    if (!wants_stress_) return;
+    reduction_.stress_modes = stress_modes(whole_, part_, model_, basis_, T_, options_);
     report_.seconds_stress = watch_.lap();
     if (!reduction_.mesh) return;
     const double before = linalg::processor_seconds();
-    add_peaks(motions_,
-              peak_stresses(whole_, T_, reduction_.stress_modes, options_.stress_nodes, motions_.states.Y),
-              *reduction_.mesh);
+    add_peaks(
+        motions_,
+        peak_stresses(whole_, states_, reduction_.stress_modes, options_.stress_nodes, motions_.states.Y),
+        *reduction_.mesh);
     report_.seconds_mesh_error += watch_.lap();
     report_.processor_seconds_mesh_error += linalg::processor_seconds() - before;
   }
@@ -287,7 +292,7 @@ class ReductionStages {
     if (has_faces())
       change_shapes(reduction_, canonical_shapes(reduction_.K_se, reduction_.M_se,
                                                  MatrixXd::Identity(model_.n_b(), T_.cols())));
-    report_.n_nodes = model_.n_nodes();
+    report_.n_nodes = part_.mesh.n_nodes();
     for (const auto* blocks : {&part_.mesh.solids, &part_.mesh.shells})
       for (const mesh::CellBlock& block : *blocks) report_.n_cells += static_cast<int>(block.nodes.rows());
     report_.n_i = model_.n_i();
@@ -295,27 +300,70 @@ class ReductionStages {
     report_.n_q = reduction_.n_q;
   }
 
-  const Part &whole_, &part_;
+  const Part &whole_, &part_, &here_;  // here: what this process has of it
   const TiedModel& model_;
   const ReductionOptions& options_;
   Reduction& reduction_;
   ReductionReport& report_ = reduction_.report;
-  const bool fixed_modes_;
+  const bool fixed_modes_, wants_stress_;
   linalg::Stopwatch watch_;
   linalg::LogStage stage_{"Factorisation"};
-  const TiedSolver solver_;
+  std::optional<TiedSolver> solver_;
+  std::optional<linalg::SomeCores> cores_;  // of a team's rank
   ConstraintModes constraint_;
   InteriorDynamics interior_;
   MatrixXd Mhat_, answer_;  // M_ib + M_ii Psi, and the answer to it by stiffness alone
   Basis basis_;
   InterfaceModes faces_;
-  MatrixXd T_;
+  MatrixXd T_, states_;  // of the nodes here, and T Y of the judged motions on all nodes
   JudgedMotions motions_;
 };
 
+// The stages and the certificate.
+void reduce_model(const Part& whole, const Part& part, const TiedModel& model,
+                  const ReductionOptions& options, Reduction& reduction) {
+  const Cut cut = ReductionStages(whole, part, model, options, reduction).run();
+  if (!options.certify || cut.n_modes == 0) return;
+  linalg::Stopwatch watch;
+  linalg::report(options.progress, "certificate", 0.0);
+  const linalg::LogStage stage("Certificate");
+  if (cut.counted)
+    note_count(cut.omega2_last, cut.omega2_next, cut.n_modes, reduction.report);
+  else
+    certify(model, cut.order, cut.omega2_last, cut.omega2_next, cut.n_modes, reduction.report,
+            options.storage);
+  // Courant: no Ritz value stands below the eigenvalue of its number; elastic ties are another model.
+  if (&part == &whole) require_not_below(reduction.omega2, reduction.report);
+  reduction.report.seconds_certificate = watch.lap();
+}
+
+template <class From>
+TiedModel assembled(const From& from, const ReductionOptions& options) {
+  const linalg::LogStage stage("Assembly");
+  AssemblyOptions assembly;
+  assembly.progress = options.progress;
+  return TiedModel(from, assembly);
+}
+
 }  // namespace
 
+Reduction craig_bampton(const Part& whole, const PartShare& share, const ReductionOptions& options) {
+  Reduction reduction;
+  linalg::Stopwatch watch;
+  const TiedModel model = [&] {
+    const linalg::SomeCores cores(share.team->cores_each());
+    return assembled(share, options);
+  }();
+  reduction.report.seconds_assembly = watch.lap();
+  reduction.report.notes.push_back(
+      fmt::format("{} processes share the elements, the factorisations and the solves", share.team->size()));
+  reduce_model(whole, whole, model, options, reduction);
+  return reduction;
+}
+
 Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
+  if (options.team && options.set != ModeSet::craig_chang && !has_elastic_ties(whole))
+    return lead_reduction(whole, options);
   Reduction reduction;
   std::optional<Part> stiff;
   if (has_elastic_ties(whole)) {
@@ -331,33 +379,13 @@ Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
   }
   const Part& part = stiff ? *stiff : whole;
   linalg::Stopwatch watch;
-  AssemblyOptions assembly;
-  assembly.progress = options.progress;
-  assembly.team = options.team;
-  const TiedModel model = [&] {
-    const linalg::LogStage stage("Assembly");
-    return TiedModel(part, assembly);
-  }();
+  const TiedModel model = assembled(part, options);
   reduction.report.seconds_assembly = watch.lap();
   if (options.team)
-    reduction.report.notes.push_back(fmt::format(
-        "{} processes share the elements, the factorisations and the solves", options.team->size()));
-  const Cut cut = ReductionStages(whole, part, model, options, reduction).run();
-  if (options.certify && cut.n_modes > 0) {
-    linalg::report(options.progress, "certificate", 0.0);
-    const linalg::LogStage stage("Certificate");
-    watch.lap();
-    if (cut.counted)
-      note_count(cut.omega2_last, cut.omega2_next, cut.n_modes, reduction.report);
-    else
-      certify(model, cut.order, cut.omega2_last, cut.omega2_next, cut.n_modes, reduction.report,
-              options.storage);
-    // Courant: no Ritz value stands below the eigenvalue of its number; elastic ties are another model.
-    if (!stiff) require_not_below(reduction.omega2, reduction.report);
-    reduction.report.seconds_certificate = watch.lap();
-  }
+    reduction.report.notes.push_back(
+        "the first process has worked alone: several share neither elastic ties nor free-free modes");
+  reduce_model(whole, part, model, options, reduction);
   reduction.report.peak_memory_bytes = linalg::peak_memory();
-  if (options.team) reduction.report.peak_memory_of_others_bytes = peak_memory_of_others(*options.team);
   return reduction;
 }
 

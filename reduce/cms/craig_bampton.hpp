@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "reduce/assembly/input/part.hpp"
+#include "reduce/assembly/shared_assembly.hpp"
 #include "reduce/cms/result/options.hpp"
 #include "reduce/cms/result/reduction.hpp"
 
@@ -18,6 +18,12 @@ namespace flexura::reduce {
 
 /// Reduces a part with any set of modes.  Needs a linalg::Session.  Throws std::invalid_argument for parts
 /// that cannot be reduced (see TiedModel, TiedSolver) and std::runtime_error when a computation fails.
+/// Rank 0 of options.team leads the others.
 Reduction craig_bampton(const Part& part, const ReductionOptions& options);
+
+/// On each rank of a team, within Team::in_step(), with what it has of the part; `whole` is the part itself on rank 0, whose
+/// the result is, and share.part on the others.  Fields of loads are by the nodes of share.part, other nodes in the options
+/// by those of the whole part.
+Reduction craig_bampton(const Part& whole, const PartShare& share, const ReductionOptions& options);
 
 }  // namespace flexura::reduce

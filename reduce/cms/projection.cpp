@@ -1,7 +1,11 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/cms/projection.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "reduce/linalg/dense/dense.hpp"
+#include "reduce/recovery/part_near.hpp"
 #include "reduce/recovery/stress.hpp"
 
 namespace flexura::reduce {
@@ -24,16 +28,30 @@ MatrixXd damper_matrix(const Part& part, const TiedModel& model, const MatrixXd&
   return 0.5 * (D + D.transpose());
 }
 
+// Each rank's are those of its elements.
+void sum_up(const TiedModel& model, InertiaIntegrals& s) {
+  if (!model.share()) return;
+  Eigen::MatrixXd small(1, 13);
+  small << s.mass, s.S_x.transpose(), s.S_xx.reshaped().transpose();
+  small = model.sum(std::move(small));
+  s.mass = small(0);
+  s.S_x = small.middleCols<3>(1).transpose();
+  s.S_xx = small.rightCols<9>().reshaped(3, 3);
+  s.S_phi = model.sum(s.S_phi);
+  s.S_xphi = model.sum(s.S_xphi);
+  for (MatrixXd& S : s.S_phiphi) S = model.sum(std::move(S));
+}
+
 }  // namespace
 
 MatrixXd shapes_on_nodes(const TiedModel& model, const Basis& basis, const InterfaceModes& faces) {
   const Index n_b = model.n_b(), n_phi = basis.Phi.cols(), n_w = faces.omega2.size();
   MatrixXd T(3 * static_cast<Index>(model.n_nodes()), n_b + n_phi + n_w), U;
-  model.motions().expand(basis.U_b, MatrixXd::Identity(n_b, n_b), U);
+  model.expand(basis.U_b, MatrixXd::Identity(n_b, n_b), U);
   T.leftCols(n_b) = U;
   for (Index q = 0; q < n_phi; q += 16) {
     const Index width = std::min<Index>(16, n_phi - q);
-    model.motions().expand(basis.Phi.middleCols(q, width), MatrixXd::Zero(n_b, width), U);
+    model.expand(basis.Phi.middleCols(q, width), MatrixXd::Zero(n_b, width), U);
     T.middleCols(n_b + q, width) = U;
   }
   if (n_w > 0) T.rightCols(n_w) = faces.U;
@@ -44,7 +62,8 @@ void project(const Part& whole, const Part& part, const TiedModel& model, const 
              const InterfaceModes& faces, const MatrixXd& T, const ReductionOptions& options,
              Reduction& reduction) {
   const Index n_b = model.n_b(), n_phi = basis.Phi.cols(), n_w = faces.omega2.size(), n = T.cols();
-  reduction.inertia = inertia_integrals(model.m(), part.mesh.points, T);
+  reduction.inertia = inertia_integrals(model.m(), model.numbering().points(), T);
+  sum_up(model, reduction.inertia);
   const auto& S = reduction.inertia.S_phiphi;
   reduction.M_se = S[0] + S[1] + S[2];
   reduction.K_se = MatrixXd::Zero(n, n);
@@ -62,20 +81,34 @@ void project(const Part& whole, const Part& part, const TiedModel& model, const 
     reduction.interfaces.push_back({part.interfaces[k].name, whole.interfaces[k].tie,
                                     model.numbering().point(k), model.numbering().directions(k),
                                     model.numbering().first_dof(k)});
-  reduction.shapes.resize(3 * static_cast<Index>(options.shape_nodes.size()), n);
-  for (std::size_t v = 0; v < options.shape_nodes.size(); ++v)
-    reduction.shapes.middleRows<3>(3 * static_cast<Index>(v)) =
-        T.middleRows<3>(3 * static_cast<Index>(options.shape_nodes[v])).cast<float>();
+  reduction.shapes.resize(model.leads() ? 3 * static_cast<Index>(options.shape_nodes.size()) : 0, n);
+  constexpr Index kColumns = 32;
+  for (Index first = 0; first < n; first += kColumns) {
+    const Index width = std::min(kColumns, n - first);
+    reduction.shapes.middleCols(first, width) =
+        model.at_nodes(T.middleCols(first, width), options.shape_nodes).cast<float>();
+  }
 }
 
 void project_loads(const Part& part, const TiedModel& model, const MatrixXd& T,
                    const ReductionOptions& options, Reduction& reduction) {
-  for (const LoadField& load : options.loads) reduction.loads.push_back(reduced_load(load, T, model.m()));
-  reduction.D_se = damper_matrix(part, model, T);
+  for (const LoadField& load : options.loads) {
+    ReducedLoad reduced = reduced_load(load, T, model.m());
+    reduced.p_se = model.sum(reduced.p_se);
+    reduced.moment = model.sum(reduced.moment);
+    reduction.loads.push_back(std::move(reduced));
+  }
+  reduction.D_se = damper_matrix(part, model, T);  // rank 0 has the dampers
 }
 
-MatrixXd stress_modes(const Part& part, const TiedModel& model, const Basis& basis, const MatrixXd& T,
-                      const ReductionOptions& options) {
+MatrixXd stress_modes(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis,
+                      const MatrixXd& T, const ReductionOptions& options) {
+  if (model.share()) {
+    // The rows of T that it takes come to rank 0.
+    const PartNear near = model.leads() ? cells_at(whole, options.stress_nodes) : PartNear{};
+    const MatrixXd T_near = model.at_nodes(T, near.nodes);
+    return model.leads() ? nodal_stress_modes(near.part, T_near, near.wanted, {}, {}) : MatrixXd();
+  }
   MatrixXd rotations;
   std::vector<int> rotation_of;
   if (!part.mesh.shells.empty() || !part.beam_stresses.empty()) {

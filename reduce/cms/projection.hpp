@@ -12,11 +12,11 @@
 /// From a basis to the superelement's matrices: K_se = T^T K T, M_se = T^T M T, and what else is seen through T.
 namespace flexura::reduce {
 
-/// T on all nodes, 3 n_nodes x (n_b + n_q): the one dense array of that size.  Columns: U_b, Phi, interface modes.
+/// T on all nodes here, 3 n_nodes x (n_b + n_q): the one dense array of that size.  Columns: U_b, Phi, interface modes.
 Eigen::MatrixXd shapes_on_nodes(const TiedModel& model, const Basis& basis, const InterfaceModes& faces);
 
-/// Matrices, inertia integrals, interfaces, and the shapes at the nodes asked for.  `part` is `whole` with its elastic ties
-/// rigid.
+/// Matrices, inertia integrals, interfaces, and the shapes at the nodes asked for (numbers of the whole part, on rank 0 of a
+/// team).  `part` is `whole` with its elastic ties rigid.
 void project(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis,
              const InterfaceModes& faces, const Eigen::MatrixXd& T, const ReductionOptions& options,
              Reduction& reduction);
@@ -25,8 +25,8 @@ void project(const Part& whole, const Part& part, const TiedModel& model, const 
 void project_loads(const Part& part, const TiedModel& model, const Eigen::MatrixXd& T,
                    const ReductionOptions& options, Reduction& reduction);
 
-/// 6 n_s x n: stresses of the shapes at the options' stress nodes.
-Eigen::MatrixXd stress_modes(const Part& part, const TiedModel& model, const Basis& basis,
+/// 6 n_s x n: stresses of the shapes at the options' stress nodes; on rank 0 of a team, which knows the whole part.
+Eigen::MatrixXd stress_modes(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis,
                              const Eigen::MatrixXd& T, const ReductionOptions& options);
 
 }  // namespace flexura::reduce

@@ -120,17 +120,19 @@ Surroundings around(const Part& part, const CellsOfNodes& cells, mesh::Index cen
   return out;
 }
 
-/// Errors of the nodal stress s at a node for each of the shapes T y, as von Mises stresses of differences.
+/// Errors of the nodal stress s at a node for each of the states U, as von Mises stresses of differences.
 Eigen::VectorXd errors_at(const Part& part, const CellsOfNodes& cells_of, mesh::Index node, int material,
-                          const MatrixXd& T, const MatrixXd& y, const MatrixXd& s) {
+                          const MatrixXd& U, const std::vector<Index>& states, const MatrixXd& s) {
   const Surroundings near = around(part, cells_of, node);
-  MatrixXd u(3 * near.part.mesh.points.rows(), y.cols());
+  const auto n = static_cast<Index>(states.size());
+  MatrixXd u(3 * near.part.mesh.points.rows(), n);
   for (const auto& [from, to] : near.number)
-    u.middleRows<3>(3 * static_cast<Index>(to)) = T.middleRows<3>(3 * static_cast<Index>(from)) * y;
+    u.middleRows<3>(3 * static_cast<Index>(to)) =
+        U.middleRows<3>(3 * static_cast<Index>(from))(Eigen::all, states);
   const StressRecovery recovery(near.part);
   const Eigen::MatrixXf smooth = recovery.recover(u);
   const mesh::Index centre = near.number.at(node);
-  Eigen::VectorXd square = Eigen::VectorXd::Zero(y.cols()), from_smooth = square;
+  Eigen::VectorXd square = Eigen::VectorXd::Zero(n), from_smooth = square;
   double cells = 0.0;
   for (std::size_t b = 0; b < near.part.mesh.solids.size(); ++b) {
     const mesh::CellBlock& block = near.part.mesh.solids[b];
@@ -140,13 +142,13 @@ Eigen::VectorXd errors_at(const Part& part, const CellsOfNodes& cells_of, mesh::
     for (Index row = 0; row < block.nodes.rows(); ++row)
       for (Index a = 0; a < block.nodes.cols(); ++a) {
         if (block.nodes(row, a) != centre || static_cast<int>(material_of(block, row)) != material) continue;
-        MatrixXd of_cell(3 * block.nodes.cols(), y.cols());
+        MatrixXd of_cell(3 * block.nodes.cols(), n);
         for (Index c = 0; c < block.nodes.cols(); ++c)
           of_cell.middleRows<3>(3 * c) = u.middleRows<3>(3 * static_cast<Index>(block.nodes(row, c)));
         const MatrixXd own =
             CellStress(near.part, block, row).at(at_nodes.points[static_cast<std::size_t>(a)], of_cell);
         const Index place = 6 * static_cast<Index>(recovery.places(b)(row, a));
-        for (Index k = 0; k < y.cols(); ++k) {
+        for (Index k = 0; k < n; ++k) {
           const double off = von_mises(own.col(k) - s.col(k));
           square(k) += off * off;
           from_smooth(k) = von_mises(smooth.block<6, 1>(place, k).cast<double>() - s.col(k));
@@ -154,13 +156,13 @@ Eigen::VectorXd errors_at(const Part& part, const CellsOfNodes& cells_of, mesh::
         cells += 1.0;
       }
   }
-  if (cells == 0.0) return Eigen::VectorXd::Constant(y.cols(), HUGE_VAL);
+  if (cells == 0.0) return Eigen::VectorXd::Constant(n, HUGE_VAL);
   return from_smooth.cwiseMax(0.5 * (square / cells).cwiseSqrt());
 }
 
 }  // namespace
 
-std::vector<PeakStress> peak_stresses(const Part& part, const MatrixXd& T, const MatrixXd& stress,
+std::vector<PeakStress> peak_stresses(const Part& part, const MatrixXd& U, const MatrixXd& stress,
                                       const std::vector<mesh::Index>& nodes, const MatrixXd& Y) {
   std::vector<PeakStress> out(static_cast<std::size_t>(Y.cols()));
   if (part.mesh.solids.empty() || stress.size() == 0) return out;
@@ -202,9 +204,8 @@ std::vector<PeakStress> peak_stresses(const Part& part, const MatrixXd& T, const
   const CellsOfNodes cells_of(part.mesh);
   for (const auto& [at, states] : states_of) {
     const std::vector<Index> columns(states.begin(), states.end());
-    const Eigen::VectorXd errors =
-        errors_at(part, cells_of, nodes[at], materials[at].first, T, Y(Eigen::all, columns),
-                  sigma(Eigen::seqN(6 * static_cast<Index>(at), 6), columns));
+    const Eigen::VectorXd errors = errors_at(part, cells_of, nodes[at], materials[at].first, U, columns,
+                                             sigma(Eigen::seqN(6 * static_cast<Index>(at), 6), columns));
     for (std::size_t k = 0; k < states.size(); ++k)
       if (const double error = errors(static_cast<Index>(k)) / out[states[k]].von_mises; std::isfinite(error))
         out[states[k]].error = error;

@@ -29,9 +29,9 @@ struct PeakStress {
   Eigen::Vector3d singular_at = Eigen::Vector3d::Zero();  ///< there [m]
 };
 
-/// Of the shapes T Y; `stress` (6 n_s x n): stress modes at `nodes` (recovery/stress.hpp), T: 3 n_nodes x n, Y: n x k.
+/// Of the states U = T Y (3 n_nodes x k); `stress` (6 n_s x n): stress modes at `nodes` (recovery/stress.hpp), Y: n x k.
 /// Nothing but "not known" for parts without solid cells.
-std::vector<PeakStress> peak_stresses(const Part& part, const Eigen::MatrixXd& T,
+std::vector<PeakStress> peak_stresses(const Part& part, const Eigen::MatrixXd& U,
                                       const Eigen::MatrixXd& stress, const std::vector<mesh::Index>& nodes,
                                       const Eigen::MatrixXd& Y);
 

@@ -6,6 +6,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "reduce/elements/strain.hpp"
 #include "reduce/linalg/dense/dense.hpp"
@@ -116,7 +117,7 @@ StiffeningTerms stiffening_terms(const Part& part, const TiedSolver& solver, con
   const TiedModel& model = solver.model();
   const Index n_b = model.n_b(), n = T.cols(), n_nodes = model.n_nodes();
   const auto& points = part.mesh.points;
-  const double length = (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
+  const double length = model.numbering().length();
 
   StiffeningTerms terms;
   terms.held = statically_determinate(model, length);
@@ -131,9 +132,9 @@ StiffeningTerms stiffening_terms(const Part& part, const TiedSolver& solver, con
     MatrixXd A(3 * n_nodes, 12), F, f_i, f_b;
     for (Index node = 0; node < n_nodes; ++node) A.middleRows<3>(3 * node) = inertia_forces(points.row(node));
     model.m().multiply_kron3(A, F);
-    model.motions().gather(F, f_i, f_b);
+    model.gather(F, f_i, f_b);
     MatrixXd load(n_b, n_loads);
-    load << f_b + linalg::transpose_times(Psi, f_i), MatrixXd::Identity(n_b, n_b);
+    load << f_b + model.inner(Psi, f_i), MatrixXd::Identity(n_b, n_b);
     MatrixXd u_b = MatrixXd::Zero(n_b, n_loads);
     if (!free.empty()) {
       const MatrixXd K = K_bb(free, free), p = load(free, Eigen::all);
@@ -142,7 +143,7 @@ StiffeningTerms stiffening_terms(const Part& part, const TiedSolver& solver, con
     }
     MatrixXd u_i = linalg::times(Psi, u_b);
     u_i.leftCols(12) += solver.solve(f_i);
-    model.motions().expand(u_i, u_b, U);
+    model.expand(u_i, u_b, U);
   }
 
   // The rows of T for one direction, contiguous.
@@ -163,6 +164,7 @@ StiffeningTerms stiffening_terms(const Part& part, const TiedSolver& solver, con
       g.multiply(shapes, gPhi);
       K_0 += linalg::transpose_times(shapes, gPhi);
     }
+    K_0 = model.sum(std::move(K_0));
     return 0.5 * (K_0 + K_0.transpose());
   };
   for (int a = 0; a < 3; ++a) terms.K0t[a] = reduced(a);

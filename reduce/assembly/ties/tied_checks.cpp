@@ -197,4 +197,15 @@ std::vector<int> choose_pins(const TiedNumbering& numbering) {
   return pins;
 }
 
+TiedNumbering checked_numbering(const Part& part, bool may_be_free) {
+  TiedNumbering numbering(part);
+  if (part.interfaces.empty() && !may_be_free)
+    throw std::invalid_argument(
+        "the part has no interface: name at least one face, cylinder or node set by which joints can hold "
+        "the body");
+  check_interfaces(part, numbering, may_be_free);
+  check_pieces(part, numbering);
+  return numbering;
+}
+
 }  // namespace flexura::reduce

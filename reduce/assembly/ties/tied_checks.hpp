@@ -14,6 +14,9 @@ void check_interfaces(const Part& part, const TiedNumbering& numbering, bool may
 /// All nodes must hang together through cells and ties.
 void check_pieces(const Part& part, const TiedNumbering& numbering);
 
+/// The numbering of a part that has passed both checks.
+TiedNumbering checked_numbering(const Part& part, bool may_be_free);
+
 /// Averaging ties have no stiffness in K_ii: as many interior dofs as there are rigid motions that the other ties leave free,
 /// at which weak springs would hold them.
 std::vector<int> choose_pins(const TiedNumbering& numbering);

@@ -13,6 +13,7 @@ namespace flexura::reduce {
 
 TiedNumbering::TiedNumbering(const Part& part)
     : n_nodes_(part.mesh.n_nodes()), points_(part.mesh.points), node_label_(part.mesh.node_label) {
+  if (n_nodes_ > 0) length_ = (points_.colwise().maxCoeff() - points_.colwise().minCoeff()).norm();
   number_dofs(part);
 }
 
@@ -276,36 +277,6 @@ int TiedNumbering::code_of(const InterfaceDofs& interface, int d) const {
   const mesh::Index node = interface.nodes[0];
   if (d < 3) return code(node, d);
   return rotation_of_[node] >= 0 ? rotation_code_[rotation_of_[node]][d - 3] : kUnused;
-}
-
-void TiedNumbering::put(linalg::Message& message) const {
-  for (const int number : {n_nodes_, n_i_, n_b_}) message.put(number);
-  for (const std::vector<int>* numbers : {&code_, &tie_of_, &group_begin_, &group_of_, &tie_group_,
-                                          &rotation_of_, &slave_of_, &slave_begin_, &slave_code_})
-    message.put_all(*numbers);
-  message.put(slave_C_.size());
-  for (const Eigen::Vector3d& C : slave_C_) message.put_array(C.data(), 3);
-  message.put(interfaces_.size());
-  for (const InterfaceDofs& interface : interfaces_) {
-    message.put(interface.tie);
-    message.put_array(interface.point.data(), 3);
-    message.put(interface.code);
-  }
-}
-
-TiedNumbering::TiedNumbering(linalg::Message& message, const Points& points) : points_(points) {
-  for (int* number : {&n_nodes_, &n_i_, &n_b_}) *number = message.take<int>();
-  for (std::vector<int>* numbers : {&code_, &tie_of_, &group_begin_, &group_of_, &tie_group_, &rotation_of_,
-                                    &slave_of_, &slave_begin_, &slave_code_})
-    *numbers = message.take_all<int>();
-  slave_C_.resize(message.take<std::size_t>());
-  for (Eigen::Vector3d& C : slave_C_) message.take_array(C.data(), 3);
-  interfaces_.resize(message.take<std::size_t>());
-  for (InterfaceDofs& interface : interfaces_) {
-    interface.tie = message.take<Tie>();
-    message.take_array(interface.point.data(), 3);
-    interface.code = message.take<std::array<int, 6>>();
-  }
 }
 
 // A node of a rigid tie can have a rotation of its own beside what it follows.

@@ -32,12 +32,17 @@ class TiedNumbering {
 
   /// Throws std::invalid_argument for cells, ties, followers and constraints that name nodes which are not there or have no such dof.
   explicit TiedNumbering(const Part& part);
-  /// What put() has sent, of a part with these points.
-  TiedNumbering(linalg::Message& message, const Points& points);
-  /// What a share of the part's elements needs of it.
+  /// The numbering of some nodes of a part, which are its nodes 0, 1, ... then, with the interior dofs that move them and those
+  /// of the groups that `with` names (ascending).  Boundary dofs and interfaces are those of all; interfaces know no nodes.
+  struct Share;
+  Share share(const std::vector<mesh::Index>& nodes, const std::vector<int>& with) const;
+  explicit TiedNumbering(linalg::Message& message);  ///< what put() has sent
   void put(linalg::Message& message) const;
 
   int n_nodes() const { return n_nodes_; }
+  double length() const {
+    return length_;
+  }  ///< of the box around all of the part's nodes, corner to corner [m]
   int n_i() const { return n_i_; }
   int n_b() const { return n_b_; }
   const Points& points() const { return points_; }
@@ -88,11 +93,13 @@ class TiedNumbering {
   void add_groups(mesh::Index node, std::vector<int>& groups) const;
 
  private:
+  TiedNumbering() = default;
   void number_dofs(const Part& part);
   void mark_rotations(const Part& part);
   void follow(const Part& part);
 
   int n_nodes_ = 0, n_i_ = 0, n_b_ = 0;
+  double length_ = 0.0;
   Points points_;
   std::vector<std::int64_t> node_label_;
   std::vector<InterfaceDofs> interfaces_;
@@ -107,6 +114,11 @@ class TiedNumbering {
   std::vector<int> group_begin_;
   std::vector<int> group_of_;   ///< n_nodes: group of interior dofs, or -1
   std::vector<int> tie_group_;  ///< group of the interior dofs of an interface node, or -1
+};
+
+struct TiedNumbering::Share {
+  TiedNumbering numbering;
+  std::vector<int> dofs;  ///< of its interior dofs their numbers in the whole part's, ascending
 };
 
 }  // namespace flexura::reduce

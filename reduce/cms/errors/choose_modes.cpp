@@ -50,23 +50,23 @@ void choose_modes(const TiedModel& model, const ReductionOptions& options, const
   MatrixXd M_R;
   MatrixXd R = model.motions().rigid_nodes(), R_b = model.motions().rigid_b();
   model.m().multiply_kron3(R, M_R);
-  const double mass = R.col(0).dot(M_R.col(0));
-  const Eigen::Vector3d centre =
-      Eigen::Vector3d(R.col(1).dot(M_R.col(5)), R.col(2).dot(M_R.col(3)), R.col(0).dot(M_R.col(4))) / mass;
+  const MatrixXd inertia = model.inner(R, M_R);
+  const Eigen::Vector3d centre = Eigen::Vector3d(inertia(1, 5), inertia(2, 3), inertia(0, 4)) / inertia(0, 0);
   for (MatrixXd* motions : {&R, &R_b})
     for (int a = 0; a < 3; ++a) {
       const Eigen::Vector3d shift = Eigen::Vector3d::Unit(a).cross(centre);
       motions->col(3 + a) = (motions->col(3 + a) - motions->leftCols(3) * shift).eval();
     }
-  const MatrixXd R_i = model.motions().interior_part(R, model.motions().rigid_rotations(), [&] {
-    std::vector<MatrixXd> motions;
-    for (int k = 0; k < model.n_interfaces(); ++k)
-      motions.push_back(node_motion_at(model.numbering().point(k) - centre));
-    return motions;
-  }());
+  const MatrixXd R_i =
+      model.own_rows(model.motions().interior_part(R, model.motions().rigid_rotations(), [&] {
+        std::vector<MatrixXd> motions;
+        for (int k = 0; k < model.n_interfaces(); ++k)
+          motions.push_back(node_motion_at(model.numbering().point(k) - centre));
+        return motions;
+      }()));
   MatrixXd M_R_i;
-  model.matrices().multiply_M_ii(R_i, M_R_i);
-  const MatrixXd interior_mass = linalg::transpose_times(R_i, M_R_i);
+  model.multiply_M(R_i, M_R_i);
+  const MatrixXd interior_mass = model.inner(R_i, M_R_i);
   for (int n = 24;; n *= 2) {
     solve_for(std::min(n, options.most_modes), 0.0);
     if (const auto count = modes_for_effective_mass(interior, R_b, interior_mass, options.effective_mass)) {

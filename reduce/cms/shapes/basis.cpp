@@ -53,7 +53,7 @@ void add_shapes(const Part& part, const TiedModel& model, const TiedSolver& solv
                 linalg::EigenPairs& pairs, std::vector<StaticAnswer>& answers, ReductionReport& report) {
   const Index n_normal = pairs.omega2.size();
   ExtraShapes all;
-  const auto add = [&all, n = model.n_i()](const ExtraShapes& some) {
+  const auto add = [&all, n = model.n_rows()](const ExtraShapes& some) {
     const Index before = all.X.cols();
     all.X.conservativeResize(n, before + some.X.cols());
     all.X.rightCols(some.X.cols()) = some.X;
@@ -71,10 +71,10 @@ void add_shapes(const Part& part, const TiedModel& model, const TiedSolver& solv
   for (const LoadField& load : options.loads) {
     if (!load.keep_shape) continue;
     MatrixXd f_i, f_b;
-    model.motions().gather(nodal_forces(model.m(), model.n_nodes(), load), f_i, f_b);
+    model.gather(nodal_forces(model.m(), model.n_nodes(), load), f_i, f_b);
     const MatrixXd u_i = solver.solve(f_i);
     add({u_i, {"static answer to load " + load.name}});
-    answers.push_back({load.name, f_i, f_i.col(0).dot(u_i.col(0))});
+    answers.push_back({load.name, f_i, model.inner(f_i, u_i)(0, 0)});
   }
   if (all.names.empty()) return;
   for (const std::string& name : append_shapes(problem, pairs, all))

@@ -27,32 +27,34 @@ RigidProjection rigid_projection(const TiedModel& model) {
 ConstraintModes constraint_modes(const TiedModel& model, const TiedSolver& solver) {
   const auto& averaged = model.averaged_dofs();
   const Index n_a = static_cast<Index>(averaged.size());
-  const MatrixXd K_ib = model.K_ib();
+  const MatrixXd K_ib = model.dense_K_ib();
   MatrixXd g = MatrixXd::Zero(n_a, model.n_b());
   for (Index r = 0; r < n_a; ++r) g(r, averaged[r]) = 1.0;
   TiedSolver::Solution solution = solver.solve_refined(-K_ib, g);
   ConstraintModes modes{std::move(solution.U), model.K_bb(), 0.0};
   MatrixXd K_Psi;
-  model.K_ii().multiply(modes.Psi, K_Psi);
-  MatrixXd reaction = MatrixXd::Zero(model.n_i(), model.n_b());
+  model.multiply_K(modes.Psi, K_Psi);
+  MatrixXd reaction = MatrixXd::Zero(model.n_rows(), model.n_b());
   if (n_a > 0) reaction = model.A().transpose() * solution.mu;
-  const double scale = K_ib.norm() + reaction.norm();
-  const double open = (K_Psi + K_ib + reaction).norm();
+  const double scale = model.norm(K_ib) + model.norm(reaction);
+  const double open = model.norm(K_Psi + K_ib + reaction);
   if (scale > 0.0) modes.residual = open / scale;
   if (modes.residual > kWorthAsking) {
     // Where all static shapes are rigid motions, of averages for one, K_ib and the reactions are round-off themselves:
     // eps |K| |Psi| is what rounding the shapes' entries does, and nothing below a few of it can be judged.
     MatrixXd magnitudes;
-    model.K_ii().multiply_magnitudes(modes.Psi, magnitudes);
-    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * magnitudes.norm();
+    model.multiply_magnitudes(modes.Psi, magnitudes);
+    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * model.norm(magnitudes);
     modes.residual = open <= rounding ? 0.0 : open / std::max(scale, rounding);
   }
-  modes.K_bb += linalg::transpose_times(K_ib, modes.Psi);
+  modes.K_bb += model.inner(K_ib, modes.Psi);
   for (Index r = 0; r < n_a; ++r) modes.K_bb.row(averaged[r]) -= solution.mu.row(r);
   modes.K_bb = (0.5 * (modes.K_bb + modes.K_bb.transpose())).eval();
-  const MatrixXd R_b = model.motions().rigid_b(), R_i = model.motions().rigid_i();
+  const MatrixXd R_b = model.motions().rigid_b(), R_i = model.own_rows(model.motions().rigid_i());
   const RigidProjection rigid = rigid_projection(model);
-  modes.rigid_error = rigid.error(modes.Psi, R_i);
+  const MatrixXd off = R_i - modes.Psi * R_b;
+  for (Index c = 0; c < 6; ++c)
+    modes.rigid_error = std::max(modes.rigid_error, model.norm(off.col(c)) / model.norm(R_i.col(c)));
   if (model.n_b() > 6) modes.rigid_strain = (modes.K_bb * R_b).norm() / (modes.K_bb.norm() * R_b.norm());
   modes.Psi = rigid.corrected(modes.Psi, R_i);
   modes.K_bb = rigid.strain_free(modes.K_bb);

@@ -10,10 +10,10 @@ namespace flexura::reduce {
 
 /// Constraint modes and the static stiffness of the interface (craig_bampton.hpp).
 struct ConstraintModes {
-  Eigen::MatrixXd Psi;    ///< n_i x n_b
+  Eigen::MatrixXd Psi;    ///< n_rows x n_b
   Eigen::MatrixXd K_bb;   ///< condensed, n_b x n_b
   double residual = 0.0;  ///< ||K_ii Psi + K_ib|| / ||K_ib||, averages included
-  /// How well the solve had the rigid motions (RigidProjection::error), which Psi and K_bb now have exactly: its
+  /// How well the solve had the rigid motions (|R_i - Psi R_b| over |R_i|, the worst of six), which Psi and K_bb now have exactly: its
   /// error in all else is of this size.
   double rigid_error = 0.0;
   double rigid_strain = 0.0;  ///< |K_bb R| over |K_bb| |R| of the solve

@@ -35,9 +35,10 @@ ExtraShapes response_shapes(const linalg::EigenProblem& problem, const linalg::E
   problem.multiply_M(pairs.Phi, M_Phi);
   const auto without_modes = [&](MatrixXd& X) {
     if (pairs.Phi.cols() == 0) return;
-    const MatrixXd share = linalg::transpose_times(M_Phi, X);
+    const MatrixXd share = problem.inner(M_Phi, X);
     linalg::add_product(-1.0, pairs.Phi, share, X);
   };
+  const auto size = [&](const MatrixXd& X) { return std::sqrt(problem.inner(X, X).trace()); };
   ExtraShapes out;
   MatrixXd term, M_term;
   problem.solve(Mhat, term);
@@ -50,7 +51,7 @@ ExtraShapes response_shapes(const linalg::EigenProblem& problem, const linalg::E
     term *= omega * omega;
     without_modes(term);
     out.X += term;
-    if (term.norm() < 1e-10 * out.X.norm()) break;
+    if (size(term) < 1e-10 * size(out.X)) break;
   }
   for (const std::string& name : names)
     out.names.push_back(fmt::format("response to {} at {:.5g} Hz", name, hertz));
@@ -68,21 +69,21 @@ std::vector<std::string> append_shapes(const linalg::EigenProblem& problem, lina
   MQ.leftCols(n_q) = M_block;
   MatrixXd K_all;
   problem.multiply_K(extra.X, K_all);
-  const Eigen::VectorXd energy_of_all = extra.X.cwiseProduct(K_all).colwise().sum();
+  const Eigen::VectorXd energy_of_all = problem.inner(extra.X, K_all).diagonal();
   K_all.resize(0, 0);
   Index rank = n_q;
   for (Index j = 0; j < extra.X.cols(); ++j) {
     MatrixXd x = extra.X.col(j), M_x;
     problem.multiply_M(x, M_x);
-    const double length = std::sqrt(std::max(x.col(0).dot(M_x.col(0)), 0.0));
+    const double length = std::sqrt(std::max(problem.inner(x, M_x)(0, 0), 0.0));
     for (int pass = 0; pass < 2; ++pass)
-      x -= linalg::times(Q.leftCols(rank), linalg::transpose_times(MQ.leftCols(rank), x));
+      x -= linalg::times(Q.leftCols(rank), problem.inner(MQ.leftCols(rank), x));
     problem.multiply_M(x, M_x);
-    const double rest = std::sqrt(std::max(x.col(0).dot(M_x.col(0)), 0.0));
+    const double rest = std::sqrt(std::max(problem.inner(x, M_x)(0, 0), 0.0));
     // What carries little mass can still carry the load's strain energy: both must be covered.
     MatrixXd K_x;
     problem.multiply_K(x, K_x);
-    const double energy = std::max(x.col(0).dot(K_x.col(0)), 0.0);
+    const double energy = std::max(problem.inner(x, K_x)(0, 0), 0.0);
     if (!(rest > kDependent * length) && !(energy > kDependent * kDependent * energy_of_all(j))) {
       dropped.push_back(extra.names[static_cast<std::size_t>(j)]);
       continue;
@@ -97,7 +98,7 @@ std::vector<std::string> append_shapes(const linalg::EigenProblem& problem, lina
   problem.multiply_K(X, K_X);
   // One Rayleigh-Ritz step for all of them: what is mass-orthogonal to exact modes has no stiffness in common
   // with these, but the fresh shapes have with one another.
-  const MatrixXd k = linalg::transpose_times(X, K_X);
+  const MatrixXd k = problem.inner(X, K_X);
   const linalg::DenseEigen ritz = linalg::symmetric_eigen(0.5 * (k + k.transpose()));
   pairs.Phi.conservativeResize(n, rank);
   pairs.Phi.rightCols(fresh) = linalg::times(X, ritz.vectors);

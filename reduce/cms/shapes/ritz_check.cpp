@@ -49,7 +49,7 @@ void require_ritz(const linalg::EigenProblem& problem, const MatrixXd& Phi, cons
   const MatrixXd Z = omega.cwiseInverse().asDiagonal() * signs(omega.size(), kProbes);
   MatrixXd K_U;
   problem.multiply_K(linalg::times(Phi, Z), K_U);
-  const MatrixXd force = linalg::transpose_times(Phi, K_U) - MatrixXd(omega2.asDiagonal() * Z);
+  const MatrixXd force = problem.inner(Phi, K_U) - MatrixXd(omega2.asDiagonal() * Z);
   VectorXd apart = (omega.cwiseInverse().asDiagonal() * force).cwiseAbs().rowwise().maxCoeff();
   // What the products' own round-off can be: thin parts have stiffnesses beside which bending is little.
   MatrixXd K_size;
@@ -64,8 +64,7 @@ void require_ritz(const linalg::EigenProblem& problem, const MatrixXd& Phi, cons
   MatrixXd energy(Phi.cols(), Z.cols());
   for (Index first = 0; first < Phi.cols(); first += kColumns) {
     const Index count = std::min(kColumns, Phi.cols() - first);
-    energy.middleRows(first, count) =
-        linalg::transpose_times(Phi.middleCols(first, count).cwiseAbs(), K_size);
+    energy.middleRows(first, count) = problem.inner(Phi.middleCols(first, count).cwiseAbs(), K_size);
   }
   const VectorXd round_off = 4.0 * std::numeric_limits<double>::epsilon() *
                              (omega.cwiseInverse().asDiagonal() * energy).rowwise().maxCoeff();
@@ -79,7 +78,7 @@ void require_ritz(const linalg::EigenProblem& problem, const MatrixXd& Phi, cons
         "load shapes",
         worst + 1, frequency_hz(omega2(worst)), most));
   for (const StaticAnswer& answer : answers) {
-    const VectorXd participation = linalg::transpose_times(Phi, answer.f_i);
+    const VectorXd participation = problem.inner(Phi, answer.f_i);
     const double work = participation.cwiseAbs2().cwiseQuotient(omega2).sum();
     if (std::abs(work - answer.work) <= kStatic * answer.work) continue;
     throw std::runtime_error(

@@ -5,6 +5,7 @@
 #include <petscmat.h>
 
 #include <algorithm>
+#include <exception>
 #include <stdexcept>
 
 #include "reduce/linalg/dense/blas_threads.hpp"
@@ -16,10 +17,12 @@ namespace {
 
 constexpr int kColumns = 32;  // of right-hand sides together
 
+// To destroy it takes all ranks: on the way of an exception, which may be this rank's alone, it is left.
 struct Matrix {
+  int exceptions = std::uncaught_exceptions();
   Mat mat = nullptr;
   ~Matrix() {
-    if (mat) MatDestroy(&mat);
+    if (mat && std::uncaught_exceptions() == exceptions) MatDestroy(&mat);
   }
 };
 
@@ -43,19 +46,21 @@ void DistributedFactor::Impl::assemble(const UpperCsr& part,
                                        const std::vector<std::pair<int, double>>& diagonal, Mat& A) const {
   std::vector<PetscInt> i, j;
   std::vector<PetscScalar> values;
+  for (std::vector<PetscInt>* numbers : {&i, &j}) numbers->reserve(part.values.size() + diagonal.size());
+  values.reserve(part.values.size() + diagonal.size());
   const auto add = [&](int row, int column, double value) {
     if (value == 0.0) return;
-    const auto [first, second] = std::minmax(rows.number[row], rows.number[column]);
-    i.push_back(first);
-    j.push_back(second);
+    i.push_back(std::min(row, column));
+    j.push_back(std::max(row, column));
     values.push_back(value);
   };
   for (int r = 0; r < part.n; ++r)
-    for (int k = part.row_begin[r]; k < part.row_begin[r + 1]; ++k) add(r, part.columns[k], part.values[k]);
+    for (int k = part.row_begin[r]; k < part.row_begin[r + 1]; ++k)
+      add(rows.number[r], rows.number[part.columns[k]], part.values[k]);
   for (const auto& [row, value] : diagonal) add(row, row, value);
   const auto ok = [](PetscErrorCode code) { petsc_check(code, "assembling a matrix over all processes"); };
   ok(MatCreate(PETSC_COMM_WORLD, &A));
-  ok(MatSetSizes(A, n_own(), n_own(), part.n, part.n));
+  ok(MatSetSizes(A, n_own(), n_own(), rows.n(), rows.n()));
   ok(MatSetType(A, MATAIJ));
   ok(MatSetPreallocationCOO(A, static_cast<PetscCount>(i.size()), i.data(), j.data()));
   ok(MatSetValuesCOO(A, values.data(), INSERT_VALUES));
@@ -98,22 +103,20 @@ void DistributedFactor::Impl::factorise(Mat A) {
 DistributedFactor::DistributedFactor(const Team& team, const UpperCsr& part, const RowShares& rows,
                                      const std::vector<std::pair<int, double>>& diagonal)
     : impl_(new Impl{team, rows, {}, 0, 0, {}}) {
-  team.together([&] {
-    const SomeCores cores(team.cores_each());
-    Matrix A;
-    impl_->assemble(part, diagonal, A.mat);
-    impl_->factorise(A.mat);
-  });
+  const SomeCores cores(team.cores_each());
+  Matrix A;
+  impl_->assemble(part, diagonal, A.mat);
+  impl_->factorise(A.mat);
 }
 
 DistributedFactor::~DistributedFactor() = default;
 
-void DistributedFactor::solve_own(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::MatrixXd& X) const {
+Eigen::MatrixXd DistributedFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const {
   const auto ok = [](PetscErrorCode code) { petsc_check(code, "solving over all processes"); };
-  const auto n = static_cast<PetscInt>(impl_->rows.number.size());
+  const PetscInt n = impl_->rows.n();
   const int n_own = impl_->n_own();
   const SomeCores cores(impl_->team.cores_each());
-  X.resize(n_own, B.cols());
+  Eigen::MatrixXd X(n_own, B.cols());
   for (Eigen::Index first = 0; first < B.cols(); first += kColumns) {
     const auto width = static_cast<PetscInt>(std::min<Eigen::Index>(kColumns, B.cols() - first));
     Matrix b, x;
@@ -132,15 +135,6 @@ void DistributedFactor::solve_own(const Eigen::Ref<const Eigen::MatrixXd>& B, Ei
     X.middleCols(first, width) = Eigen::Map<const Eigen::MatrixXd>(values, n_own, width);
     ok(MatDenseRestoreArray(x.mat, &values));
   }
-}
-
-Eigen::MatrixXd DistributedFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const {
-  Eigen::MatrixXd X;
-  impl_->team.together([&] {
-    Eigen::MatrixXd own;
-    solve_own(scatter_rows(impl_->team, impl_->rows, B), own);
-    X = gather_rows(impl_->team, impl_->rows, own);
-  });
   return X;
 }
 

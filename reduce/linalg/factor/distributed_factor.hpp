@@ -17,20 +17,19 @@ namespace flexura::linalg {
 
 /// A symmetric matrix A = sum of what each rank of a team holds, factorised by MUMPS over all ranks (L D L^T
 /// with pivoting; P. R. Amestoy et al., SIAM J. Matrix Anal. Appl. 23 (2001), 15): a row of A lies on the
-/// rank that owns it, L on all.  Every function is collective.
+/// rank that owns it, L on all.  Every function is collective, within Team::in_step().
 class DistributedFactor {
  public:
-  /// `part`: this rank's terms; `diagonal`: (row, value) to be added to the diagonal.
+  /// `part`: this rank's terms, of the rows known here; `diagonal`: (number among those of all ranks, value) to be added to
+  /// the diagonal.  std::runtime_error on all ranks where it fails.
   DistributedFactor(const Team& team, const UpperCsr& part, const RowShares& rows,
                     const std::vector<std::pair<int, double>>& diagonal = {});
   ~DistributedFactor();
   DistributedFactor(const DistributedFactor&) = delete;
   DistributedFactor& operator=(const DistributedFactor&) = delete;
 
-  /// Rank 0 gives B (n x k) and gets A^-1 B; others give nothing and get nothing.
+  /// Each rank gives its rows of B and gets those of A^-1 B.
   Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;
-  /// Each rank gives its rows of B and gets those of A^-1 B; within Team::together().
-  void solve_own(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::MatrixXd& X) const;
   /// Writes PETSc's report of the factor to its viewer, which is that of all processes.
   void view(_p_PetscViewer* viewer) const;
 

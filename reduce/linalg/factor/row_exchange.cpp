@@ -77,28 +77,13 @@ MatrixXd scatter_rows(const Team& team, const RowShares& rows, const Eigen::Ref<
   return own;
 }
 
-MatrixXd gather_rows(const Team& team, const RowShares& rows, const Eigen::Ref<const MatrixXd>& own) {
-  const bool leads = team.rank() == 0;
-  const MatrixXd dense = own;  // without gaps between its columns
-  MatrixXd all(leads ? static_cast<Index>(rows.number.size()) : 0, leads ? own.cols() : 0);
-  std::vector<double> packed;
-  for (Index first = 0; first < own.cols(); first += kColumns) {
-    const Index width = std::min(kColumns, own.cols() - first);
-    if (leads) packed.resize(rows.number.size() * static_cast<std::size_t>(width));
-    team.gather(dense.col(first).data(), counts_of(rows, width), packed.data());
-    if (leads)
-      each_packed(rows, width, [&](Index row, Index c, Index place) { all(row, first + c) = packed[place]; });
-  }
-  return all;
-}
-
-RowExchange::RowExchange(const Team& team, const RowShares& rows, const std::vector<int>& touched)
-    : n_own_(rows.n_own(team)), n_(static_cast<int>(rows.number.size())) {
+RowExchange::RowExchange(const Team& team, const RowShares& rows)
+    : n_own_(rows.n_own(team)), n_(static_cast<int>(rows.number.size())), rank_(team.rank()) {
   const auto size = static_cast<std::size_t>(team.size());
   asked_.resize(size);
   given_.resize(size);
   std::vector<int> numbers;
-  for (const int row : touched) {
+  for (int row = 0; row < n_; ++row) {
     const auto owner = std::upper_bound(rows.begin.begin(), rows.begin.end(), rows.number[row]) - 1;
     asked_[static_cast<std::size_t>(owner - rows.begin.begin())].push_back(row);
   }
@@ -114,31 +99,58 @@ RowExchange::RowExchange(const Team& team, const RowShares& rows, const std::vec
     for (int& row : list) row = theirs[at++];
 }
 
-MatrixXd RowExchange::spread(const Eigen::Ref<const MatrixXd>& own) const {
+namespace {
+
+std::size_t total(const Lists& lists) {
+  std::size_t n = 0;
+  for (const auto& list : lists) n += list.size();
+  return n;
+}
+
+// Rows of X by ranks, and those of a rank by columns.
+std::vector<double> packed(const Lists& lists, const Eigen::Ref<const MatrixXd>& X) {
   std::vector<double> out;
-  for (const auto& list : given_)
-    for (Index c = 0; c < own.cols(); ++c)
-      for (const int row : list) out.push_back(own(row, c));
-  const std::vector<double> in = exchange(out, given_, asked_, static_cast<int>(own.cols()), MPI_DOUBLE);
+  out.reserve(total(lists) * static_cast<std::size_t>(X.cols()));
+  for (const auto& list : lists)
+    for (Index c = 0; c < X.cols(); ++c)
+      for (const int row : list) out.push_back(X(row, c));
+  return out;
+}
+
+}  // namespace
+
+MatrixXd RowExchange::spread(const Eigen::Ref<const MatrixXd>& own) const {
   MatrixXd all = MatrixXd::Zero(n_, own.cols());
-  std::size_t at = 0;
-  for (const auto& list : asked_)
-    for (Index c = 0; c < own.cols(); ++c)
-      for (const int row : list) all(row, c) = in[at++];
+  for (Index first = 0; first < own.cols(); first += kColumns) {
+    const Index width = std::min(kColumns, own.cols() - first);
+    const std::vector<double> in = exchange(packed(given_, own.middleCols(first, width)), given_, asked_,
+                                            static_cast<int>(width), MPI_DOUBLE);
+    std::size_t at = 0;
+    for (const auto& list : asked_)
+      for (Index c = 0; c < width; ++c)
+        for (const int row : list) all(row, first + c) = in[at++];
+  }
   return all;
 }
 
 MatrixXd RowExchange::collect(const Eigen::Ref<const MatrixXd>& parts) const {
-  std::vector<double> out;
-  for (const auto& list : asked_)
-    for (Index c = 0; c < parts.cols(); ++c)
-      for (const int row : list) out.push_back(parts(row, c));
-  const std::vector<double> in = exchange(out, asked_, given_, static_cast<int>(parts.cols()), MPI_DOUBLE);
   MatrixXd own = MatrixXd::Zero(n_own_, parts.cols());
-  std::size_t at = 0;
-  for (const auto& list : given_)
-    for (Index c = 0; c < parts.cols(); ++c)
-      for (const int row : list) own(row, c) += in[at++];
+  for (Index first = 0; first < parts.cols(); first += kColumns) {
+    const Index width = std::min(kColumns, parts.cols() - first);
+    const std::vector<double> in = exchange(packed(asked_, parts.middleCols(first, width)), asked_, given_,
+                                            static_cast<int>(width), MPI_DOUBLE);
+    std::size_t at = 0;
+    for (const auto& list : given_)
+      for (Index c = 0; c < width; ++c)
+        for (const int row : list) own(row, first + c) += in[at++];
+  }
+  return own;
+}
+
+MatrixXd RowExchange::own_of(const Eigen::Ref<const MatrixXd>& parts) const {
+  const auto r = static_cast<std::size_t>(rank_);
+  MatrixXd own = MatrixXd::Zero(n_own_, parts.cols());
+  for (std::size_t k = 0; k < asked_[r].size(); ++k) own.row(given_[r][k]) = parts.row(asked_[r][k]);
   return own;
 }
 

@@ -6,6 +6,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <new>
+#include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -17,12 +21,16 @@ namespace {
 constexpr int kTag = 1;
 constexpr std::size_t kPiece = std::size_t{1} << 30;  // MPI counts with 32 bits
 
-// MPI waits by spinning, which takes a core from those that work.
-void sleep_until_done(MPI_Request request) {
+// MPI waits by spinning, which takes a core from those that work.  False: not done within that time.
+bool sleep_until_done(MPI_Request request,
+                      std::chrono::steady_clock::duration most = std::chrono::steady_clock::duration::max()) {
+  const auto start = std::chrono::steady_clock::now();
   for (int done = 0; !done;) {
     MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+    if (!done && std::chrono::steady_clock::now() - start > most) return false;
     if (!done) std::this_thread::sleep_for(std::chrono::microseconds(200));
   }
+  return true;
 }
 
 std::vector<int> places(std::span<const int> counts) {
@@ -88,10 +96,64 @@ void Team::together(const std::function<void()>& work) const {
   try {
     work();
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: process %d of %d: %s\n", rank_ + 1, size_, error.what());
-    std::fflush(stderr);
-    MPI_Abort(MPI_COMM_WORLD, 1);
+    end_all(error.what());
   }
+}
+
+void Team::end_all(const char* text) const {
+  std::fprintf(stderr, "error: process %d of %d: %s\n", rank_ + 1, size_, text);
+  std::fflush(stderr);
+  MPI_Abort(MPI_COMM_WORLD, 1);
+  std::abort();  // MPI has ended this process
+}
+
+// All ranks come here when they have done their work or failed.  One that has failed does not wait for ever: others may be
+// within a collective to which it will not come.
+void Team::agree(const std::exception* failed) const {
+  constexpr auto kPatience = std::chrono::seconds(60);
+  const int mine = failed ? rank_ : size_;
+  int first = size_;
+  MPI_Request request = MPI_REQUEST_NULL;
+  MPI_Iallreduce(&mine, &first, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD, &request);
+  if (!failed)
+    sleep_until_done(request);
+  else if (!sleep_until_done(request, kPatience))
+    end_all(failed->what());
+  if (first == size_) return;
+  std::string text;
+  int size[2] = {0, 0};  // of the text, and whether the input is bad
+  if (first == rank_) {
+    text = failed->what();
+    size[0] = static_cast<int>(text.size());
+    size[1] = dynamic_cast<const std::invalid_argument*>(failed) != nullptr;
+  }
+  MPI_Bcast(size, 2, MPI_INT, first, MPI_COMM_WORLD);
+  text.resize(static_cast<std::size_t>(size[0]));
+  MPI_Bcast(text.data(), size[0], MPI_CHAR, first, MPI_COMM_WORLD);
+  if (first != rank_) throw Elsewhere(text, size[1] != 0);
+}
+
+void Team::in_step(const std::function<void()>& work) const {
+  try {
+    try {
+      work();
+      agree(nullptr);
+    } catch (const Elsewhere&) {
+      throw;
+    } catch (const std::bad_alloc&) {
+      end_all("memory has run out; more machines bring more of it, or take a coarser mesh");
+    } catch (const std::exception& error) {
+      agree(&error);
+      throw;
+    }
+  } catch (const Elsewhere& there) {
+    if (there.bad_input) throw std::invalid_argument(there.what());
+    throw std::runtime_error(there.what());
+  }
+}
+
+void Team::meet() const {
+  agree(nullptr);
 }
 
 void Team::share(int& number) const {

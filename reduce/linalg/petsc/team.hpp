@@ -3,6 +3,8 @@
 
 #include <functional>
 #include <span>
+#include <stdexcept>
+#include <string>
 
 #include "reduce/linalg/petsc/message.hpp"
 
@@ -26,17 +28,7 @@ class Team {
   int cores_each() const { return cores_each_; }
 
   /// What rank 0 calls the others to.
-  enum class Task : int {
-    stop,
-    take_share,
-    factorise,
-    solve,
-    find_modes,
-    forget,
-    take_options,
-    print_log,
-    tell_memory
-  };
+  enum class Task : int { stop, reduce, take_options, print_log, tell_memory };
   void call(Task task) const;  ///< on rank 0
   Task wait() const;           ///< on the others; sleeps meanwhile
 
@@ -46,6 +38,14 @@ class Team {
   /// Does work in which the ranks wait for one another.  What goes wrong on one of them only would leave the
   /// others waiting for ever: it is printed, and all processes end with exit code 1.
   void together(const std::function<void()>& work) const;
+
+  /// Does a long work of which all ranks do their parts, in step: each calls the same collectives.  What goes wrong on all of
+  /// them, or is met by all at meet(), is thrown on all, by the rank that it happened to first as it was and by the others as
+  /// std::invalid_argument or std::runtime_error with its text.  What goes wrong on one alone, which the others wait for
+  /// within a collective, is printed, and all processes end with exit code 1; memory that runs out always is such.
+  void in_step(const std::function<void()>& work) const;
+  /// Collective, within in_step(): waits for the others without taking a core from them.
+  void meet() const;
 
   /// Collective, within together(): a number of rank 0's to all.
   void share(int& number) const;
@@ -61,6 +61,14 @@ class Team {
   void gather(const double* own, std::span<const int> counts, double* all) const;
 
  private:
+  /// Something has gone wrong on another rank.
+  struct Elsewhere : std::runtime_error {
+    bool bad_input;
+    Elsewhere(const std::string& text, bool bad) : std::runtime_error(text), bad_input(bad) {}
+  };
+  void agree(const std::exception* failed) const;
+  [[noreturn]] void end_all(const char* text) const;
+
   int rank_ = 0, size_ = 1, cores_each_ = 1;
 };
 
