@@ -76,11 +76,11 @@ const std::vector<Fidelity>& fidelities() {
 const Fidelity& fidelity_of(const input::Section& s) {
   const std::string word = s.text("fidelity");
   const bool is_beam = s.has("beam") && !s.has("superelement");
+  const bool is_planar = is_beam && s.table("beam").flag("planar");
   return *std::ranges::find_if(fidelities(), [&](const Fidelity& f) {
     if (word != kAutomaticFidelity) return f.name == word;
-    // Of beams the kind that takes all that a file may say of one.
-    return is_beam ? f.of_beam && f.of_beam->has_elements && f.of_beam->use.may_be_curved
-                   : f.of_superelement.has_value();
+    if (!is_beam) return f.of_superelement.has_value();
+    return f.of_beam && f.of_beam->has_elements && (!is_planar || f.of_beam->use.may_be_planar);
   });
 }
 

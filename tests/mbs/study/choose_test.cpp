@@ -204,6 +204,14 @@ TEST_F(Choosing, ACableComesOutAsAnExactBeamAndABarRigid) {
   ASSERT_TRUE(cable.prepared.mechanism->description().bodies.back().flexible);
   EXPECT_FALSE(cable.prepared.mechanism->description().bodies.back().flexible->is_linear());
   EXPECT_EQ(cable.rows.size(), 11u);
+  // In its plane alone it has half the coordinates, all in one body.
+  const ChosenRun planar = run(file, {"body.rope.beam.planar=true", "body.rope.beam.y_axis=[0, 0, 1]"});
+  EXPECT_THAT(planar.reasons,
+              ::testing::ElementsAre(::testing::AllOf(HasSubstr("EI 0.0098 N m^2"),
+                                                      HasSubstr("far beyond what modes describe"))));
+  const auto& bent = planar.prepared.mechanism->description().bodies.back().flexible;
+  ASSERT_TRUE(bent);
+  EXPECT_TRUE(bent->stiff_direction());
   // 20 mm and 0.1 m: weight 2.4 N, 2.4 L^2 / (3 EI) = 5e-6 of its length.
   const ChosenRun bar = run(file, {"parameters.L=0.1", "parameters.d=0.02"});
   EXPECT_THAT(bar.reasons, ::testing::ElementsAre(HasSubstr("rope: rigid: ")));
