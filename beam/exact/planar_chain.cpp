@@ -12,17 +12,23 @@ namespace {
 // Cosine and sine.  An element turns by a small angle: the terms left out are below 1e-17.
 Vec2 direction(double angle) {
   if (std::abs(angle) > 0.5) return {std::cos(angle), std::sin(angle)};
+  // (-1)^k / (2k)! and / (2k + 1)!
+  constexpr double kCosine[] = {1.0,           -1.0 / 2.0,       1.0 / 24.0,        -1.0 / 720.0,
+                                1.0 / 40320.0, -1.0 / 3628800.0, 1.0 / 479001600.0, -1.0 / 87178291200.0};
+  constexpr double kSine[] = {1.0,
+                              -1.0 / 6.0,
+                              1.0 / 120.0,
+                              -1.0 / 5040.0,
+                              1.0 / 362880.0,
+                              -1.0 / 39916800.0,
+                              1.0 / 6227020800.0,
+                              -1.0 / 1307674368000.0};
   const double t = angle * angle;
-  const double cosine =
-      1.0 -
-      t / 2.0 *
-          (1.0 - t / 12.0 *
-                     (1.0 - t / 30.0 *
-                                (1.0 - t / 56.0 * (1.0 - t / 90.0 * (1.0 - t / 132.0 * (1.0 - t / 182.0))))));
-  const double sine =
-      1.0 -
-      t / 6.0 *
-          (1.0 - t / 20.0 * (1.0 - t / 42.0 * (1.0 - t / 72.0 * (1.0 - t / 110.0 * (1.0 - t / 156.0)))));
+  double cosine = kCosine[7], sine = kSine[7];
+  for (int k = 6; k >= 0; --k) {
+    cosine = kCosine[k] + t * cosine;
+    sine = kSine[k] + t * sine;
+  }
   return {cosine, angle * sine};
 }
 

@@ -11,6 +11,7 @@
 /// Undamped, the bars answer the sudden start by waves of micrometres at tens of kilohertz, which an error control that
 /// compares them with what has moved so far follows with steps of a microsecond.  Steps of a length of their own with numerical
 /// damping go over them, as the authors' do, and so do steps of any size after a start in equilibrium.
+/// The authors' 12 s take 3,000 such steps; here they end at 2.7 s.
 namespace flexura::mbs::beams {
 namespace {
 
@@ -77,16 +78,18 @@ const std::string kSudden =
 TEST_F(MisalignedFourBar, FinishesFromItsSuddenStart) {
   const auto sudden = moves(kSudden + "end_time = 2.5"),
              still = moves("method = \"quasi_statics\"\noutput_step = 0.05\nend_time = 2.5"),
-             finer = moves("method = \"quasi_statics\"\noutput_step = 0.05\nend_time = 2.5", 8);
+             finer = moves("method = \"quasi_statics\"\noutput_step = 0.1\nend_time = 1", 8);
   for (const double t : {1.0, 2.0, 2.5}) {
     SCOPED_TRACE(t);
-    const Eigen::VectorXd &now = sudden.at(t), &held = still.at(t), &fine = finer.at(t);
+    const Eigen::VectorXd &now = sudden.at(t), &held = still.at(t);
     EXPECT_NEAR(now(0), held(0), 2e-5 * std::abs(held(0)));  // measured: 1e-5 at 2.5 s
     EXPECT_NEAR(now(1), held(1), 5e-4 * held(1));            // what rings, and decays by the method
     EXPECT_NEAR(now(2), held(2), 2e-6);
-    EXPECT_NEAR(held(0), fine(0), 1e-4 * std::abs(fine(0)));  // elements
-    EXPECT_NEAR(held(1), fine(1), 1e-3 * fine(1));
   }
+  // What four elements leave: eight differ from them by less.
+  const Eigen::VectorXd &held = still.at(1.0), &fine = finer.at(1.0);
+  EXPECT_NEAR(held(0), fine(0), 1e-4 * std::abs(fine(0)));
+  EXPECT_NEAR(held(1), fine(1), 1e-3 * fine(1));
 }
 
 // Through the line: order 2 at a fixed step beside order 5 at a tolerance, which starts in equilibrium.
