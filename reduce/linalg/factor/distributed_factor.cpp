@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <iterator>
 #include <stdexcept>
 
 #include "reduce/linalg/dense/blas_threads.hpp"
@@ -38,6 +39,7 @@ struct DistributedFactor::Impl {
   int n_own() const { return rows.n_own(team); }
   void assemble(const UpperCsr& part, const std::vector<std::pair<int, double>>& diagonal, Mat& A) const;
   void factorise(Mat A);
+  int factorise(Mat A, PetscInt beyond_estimate);
 };
 
 // Each rank says which entries it has; PETSc sends each to its row's owner.  The upper triangle by the ranks' numbers is
@@ -67,28 +69,45 @@ void DistributedFactor::Impl::assemble(const UpperCsr& part,
   ok(MatSetOption(A, MAT_SYMMETRIC, PETSC_TRUE));
 }
 
+// MUMPS lets its workspace stand as large as it was made: what is beyond its estimate is given in small steps, from its own
+// default on.
 void DistributedFactor::Impl::factorise(Mat A) {
+  constexpr PetscInt kBeyondEstimate[] = {20, 60, 150};  // per cent
+  for (const PetscInt beyond : kBeyondEstimate) {
+    const int status = factorise(A, beyond);
+    if (status >= 0) return;
+    const bool too_small = status == -8 || status == -9 || status == -11 || status == -12 || status == -14 ||
+                           status == -15 || status == -18 || status == -19;
+    if (!too_small || beyond == std::end(kBeyondEstimate)[-1])
+      throw std::runtime_error(fmt::format(
+          "MUMPS could not factorise the matrix (INFOG(1) = {}): more processes bring more memory", status));
+    petsc_check(MatDestroy(&L.mat), "factorising a matrix over all processes");
+  }
+}
+
+// What MUMPS says of it, INFOG(1).
+int DistributedFactor::Impl::factorise(Mat A, PetscInt beyond_estimate) {
   const auto ok = [](PetscErrorCode code) { petsc_check(code, "factorising a matrix over all processes"); };
   Stopwatch watch;
   MatFactorInfo info;
   ok(MatFactorInfoInitialize(&info));
   ok(MatGetFactor(A, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, &L.mat));
-  ok(MatMumpsSetIcntl(L.mat, 13, 1));    // the root, too, by LDL^T: its pivots are counted
-  ok(MatMumpsSetIcntl(L.mat, 14, 60));   // per cent of memory beyond its estimate
+  ok(MatMumpsSetIcntl(L.mat, 13, 1));  // the root, too, by LDL^T: its pivots are counted
+  ok(MatMumpsSetIcntl(L.mat, 14, beyond_estimate));
   ok(MatMumpsSetIcntl(L.mat, 24, 1));    // zero pivots are counted
   ok(MatMumpsSetCntl(L.mat, 3, 1e-13));  // what zero is, of the scaled matrix: as in cholesky.cpp
   ok(MatCholeskyFactorSymbolic(L.mat, A, nullptr, &info));
-  figures.seconds_ordering = watch.lap();
+  figures.seconds_ordering += watch.lap();
   ok(MatCholeskyFactorNumeric(L.mat, A, &info));
-  figures.seconds_numeric = watch.lap();
+  figures.seconds_numeric += watch.lap();
   MatFactorError error = MAT_FACTOR_NOERROR;
   ok(MatFactorGetError(L.mat, &error));
   PetscInt negative = 0, zero = 0, positive = 0, status = 0, nulls = 0;
   ok(MatMumpsGetInfog(L.mat, 1, &status));
-  if (error != MAT_FACTOR_NOERROR || status < 0)
-    throw std::runtime_error(
-        fmt::format("MUMPS could not factorise the matrix (INFOG(1) = {}): more processes bring more memory",
-                    static_cast<int>(status)));
+  if (status < 0) return static_cast<int>(status);
+  if (error != MAT_FACTOR_NOERROR)
+    throw std::runtime_error(fmt::format("MUMPS could not factorise the matrix (PETSc's MatFactorError {})",
+                                         static_cast<int>(error)));
   ok(MatGetInertia(L.mat, &negative, &zero, &positive));
   ok(MatMumpsGetInfog(L.mat, 28, &nulls));
   n_negative = static_cast<int>(negative);
@@ -98,6 +117,7 @@ void DistributedFactor::Impl::factorise(Mat A) {
   figures.nonzeros = entries < 0 ? -1e6 * entries : entries;
   figures.bytes = sizeof(double) * figures.nonzeros;
   ok(MatMumpsGetRinfog(L.mat, 3, &figures.flops));
+  return 0;
 }
 
 DistributedFactor::DistributedFactor(const Team& team, const UpperCsr& part, const RowShares& rows,
