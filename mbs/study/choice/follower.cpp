@@ -36,10 +36,13 @@ Follower::Follower(FullModel& full, const std::vector<ScreenedRow>& rows, std::s
       correction_(alone_.n(), 1) {
   VectorXd own_damping = (S.transpose() * damping_of(full_, block).asDiagonal() * S).diagonal();
   own_damping.tail(extra_damping.size()) += extra_damping;
-  transients_.add((S.transpose() * stiffness_of(full_, block).asDiagonal() * S).diagonal(), own_damping);
+  MatrixXd shapes = MatrixXd::Zero(alone_.n(), S.cols());
+  shapes.bottomRows(S.cols()).setIdentity();
+  transients_.add((S.transpose() * stiffness_of(full_, block).asDiagonal() * S).diagonal(), own_damping,
+                  shapes);
 }
 
-bool Follower::next(VectorXd& y) {
+bool Follower::next(VectorXd* y) {
   if (at_ >= rows_.size()) return false;
   const std::size_t i = at_;
   at_ += every_;
@@ -51,23 +54,29 @@ bool Follower::next(VectorXd& y) {
   // A jump in the rows that are passed over counts, too.
   bool jumped = false;
   for (std::size_t k = i; k > 0 && k + every_ > i; --k) jumped = jumped || rows_[k].jumped;
-  if (jumped) transients_.begin();
-  correction_.step(i == 0 ? 0.0 : at.s.t - rows_[i - every_].s.t, small_, G_, alone_.load(at.residual),
-                   &transients_, jumped);
+  VectorXd load = alone_.load(at.residual);
+  if (i == 0)
+    transients_.begin(load);
+  else if (jumped)
+    transients_.begin(load - last_load_);
+  correction_.step(i == 0 ? 0.0 : at.s.t - rows_[i - every_].s.t, small_, G_, load, &transients_, jumped);
+  last_load_ = std::move(load);
+  if (!y) return true;
   full_.move(at.s, alone_.spread(correction_.delta().col(0)), alone_.spread(correction_.rate().col(0)),
              correction_.dlambda().rows() > 0 ? VectorXd(correction_.dlambda().col(0)) : VectorXd(), moved_);
-  full_.evaluate(outputs_, moved_, at.v_dot + alone_.spread(correction_.acceleration().col(0)), y);
+  full_.evaluate(outputs_, moved_, at.v_dot + alone_.spread(correction_.acceleration().col(0)), *y);
   return true;
 }
 
-WholeBody::WholeBody(const std::vector<ScreenedRow>& rows, std::size_t every,
+WholeBody::WholeBody(const std::vector<ScreenedRow>& rows, std::size_t compared,
                      std::unique_ptr<Follower> follower)
-    : rows_(rows), n_((rows.size() + every - 1) / every), follower_(std::move(follower)) {}
+    : rows_(rows), compared_(compared), follower_(std::move(follower)) {}
 
 const VectorXd& WholeBody::at(std::size_t i) {
   if (!follower_) return rows_[i].corrected;
-  while (known_.size() <= i) follower_->next(known_.emplace_back());
-  return known_[i];
+  for (; followed_ <= i; ++followed_)
+    follower_->next(followed_ % compared_ == 0 ? &known_.emplace_back() : nullptr);
+  return known_[i / compared_];
 }
 
 }  // namespace flexura::study

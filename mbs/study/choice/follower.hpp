@@ -31,8 +31,8 @@ class Follower {
            const std::vector<int>& outputs, const ModalBlock& block, const Eigen::MatrixXd& S,
            const Eigen::VectorXd& extra_damping);
 
-  /// The outputs at the next row; false behind the last.
-  bool next(Eigen::VectorXd& y);
+  /// To the next row, and the outputs there unless y is null; false behind the last.
+  bool next(Eigen::VectorXd* y);
 
  private:
   FullModel& full_;
@@ -44,6 +44,7 @@ class Follower {
   Transients transients_;
   LinearisedRow small_, own_;
   Eigen::MatrixXd G_;
+  Eigen::VectorXd last_load_;
   mbs::State moved_;
   std::size_t at_ = 0;  // the next row
 };
@@ -51,15 +52,15 @@ class Follower {
 /// The outputs of a body in all its deformations, followed as far as a candidate has come so far.
 class WholeBody {
  public:
-  /// `follower` null: as the rows' own, where no other body deforms.
-  WholeBody(const std::vector<ScreenedRow>& rows, std::size_t every, std::unique_ptr<Follower> follower);
+  /// `follower` null: as the rows' own, where no other body deforms.  Of the rows followed one in `compared` has outputs.
+  WholeBody(const std::vector<ScreenedRow>& rows, std::size_t compared, std::unique_ptr<Follower> follower);
 
-  std::size_t rows() const { return n_; }
+  /// At the row i of those followed, a multiple of `compared`.
   const Eigen::VectorXd& at(std::size_t i);
 
  private:
   const std::vector<ScreenedRow>& rows_;
-  std::size_t n_;
+  std::size_t compared_, followed_ = 0;
   std::unique_ptr<Follower> follower_;
   std::vector<Eigen::VectorXd> known_;
 };

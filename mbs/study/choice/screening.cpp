@@ -23,7 +23,8 @@ constexpr std::array kLadder = {0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96,
 // A candidate is judged on about so many rows (on every second one a static arm seemed three times as wrong),
 // spin and stiffness on fewer.
 constexpr double kMostMemory = 256e6;  // [B] of linearised rows
-constexpr std::size_t kRowsForCandidates = 801, kRowsForSpin = 100, kRowsForStiffness = 8;
+constexpr std::size_t kRowsForCandidates = 801, kRowsCompared = 200, kRowsForSpin = 100,
+                      kRowsForStiffness = 8;
 
 double hz(double omega2) {
   return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);
@@ -93,9 +94,9 @@ std::size_t Screening::rows_between() const {
   return std::max<std::size_t>(1, n_rows_ / kRowsForCandidates);
 }
 
-// The time [s] for which a row stands: rows lie closer where there is more to see.
-double Screening::time_of(std::size_t row) const {
-  const std::size_t every = rows_between(), last = (rows_.size() - 1) / every * every;
+// The time [s] for which a row stands, of one in `every`: rows lie closer where there is more to see.
+double Screening::time_of(std::size_t row, std::size_t every) const {
+  const std::size_t last = (rows_.size() - 1) / every * every;
   return 0.5 * (rows_[std::min(row + every, last)].s.t - rows_[row < every ? 0 : row - every].s.t);
 }
 
@@ -125,11 +126,16 @@ MatrixXd Screening::responses_of(const std::string& body) const {
   return basis ? basis->S : MatrixXd(block_of(body).m, 0);
 }
 
+// Of those again one in so many is compared: outputs cost more than the correction.
+std::size_t Screening::rows_compared() const {
+  return std::max<std::size_t>(1, rows_.size() / rows_between() / kRowsCompared);
+}
+
 // The same in all deformations of the body.
 WholeBody Screening::whole_of(const ModalBlock& block) {
   // Where no other body deforms the shadows have followed just these.
   const bool is_known = full_.blocks().size() == 1 && rows_between() == 1;
-  return {rows_, rows_between(),
+  return {rows_, rows_compared(),
           is_known ? nullptr
                    : std::make_unique<Follower>(full_, rows_, rows_between(), shadows_->outputs(), block,
                                                 MatrixXd::Identity(block.m, block.m), VectorXd(0))};
@@ -143,10 +149,13 @@ double Screening::loss_of(const ModalBlock& block, const MatrixXd& S, const Vect
   ++effort_.candidates;
   VectorXd sum, y;
   const double time = span();
+  const std::size_t compared = rows_compared(), every = compared * rows_between();
   double loss = 0.0;
-  for (std::size_t i = 0; loss <= goal.share && candidate.next(y); ++i, ++effort_.rows) {
+  for (std::size_t i = 0; loss <= goal.share && candidate.next(i % compared == 0 ? &y : nullptr);
+       ++i, ++effort_.rows) {
+    if (i % compared != 0) continue;
     if (i == 0) sum = VectorXd::Zero(y.size());
-    sum += time_of(i * rows_between()) * (y - goal.whole.at(i)).cwiseAbs2();
+    sum += time_of(i * rows_between(), every) * (y - goal.whole.at(i)).cwiseAbs2();
     loss = worst_output(sum, time, goal.outputs).first;
   }
   return loss;
@@ -267,7 +276,7 @@ double Screening::excitation(const ModalBlock& block) {
   double all = 0.0, beside = 0.0, shortest = span();
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const VectorXd load = rows_[i].residual.segment(block.v, block.m).cwiseQuotient(omega2.cwiseSqrt());
-    const double power = time_of(i) * load.squaredNorm();
+    const double power = time_of(i, rows_between()) * load.squaredNorm();
     all += power;
     if (!rows_[i].is_look) {
       loads.row(n++) = load.transpose();

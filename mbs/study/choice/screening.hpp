@@ -86,7 +86,8 @@ class Screening {
     double share = 0.0;
   };
   std::size_t rows_between() const;
-  double time_of(std::size_t row) const;
+  std::size_t rows_compared() const;
+  double time_of(std::size_t row, std::size_t every) const;
   void keep(bool is_look);
   const ModalBlock& block_of(const std::string& body) const;
   // Deformations that the body has with these words in its table, and how they are damped there [1/s].

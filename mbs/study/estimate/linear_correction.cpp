@@ -29,16 +29,15 @@ constexpr int kWorthAnInverse = 5;
 
 }  // namespace
 
-void Transients::add(const Eigen::VectorXd& omega2, const Eigen::VectorXd& damping) {
+void Transients::add(const Eigen::VectorXd& omega2, const Eigen::VectorXd& damping, const MatrixXd& shapes) {
   for (Eigen::Index i = 0; i < omega2.size(); ++i) {
     const double omega = std::sqrt(std::max(omega2(i), 0.0));
     if (!(omega > 0.0)) continue;
     const double decay = std::max(0.5 * damping(i), kLeastDampingRatio * omega);
-    modes_.emplace_back(kDecay / decay, 2.0 * std::numbers::pi / omega / kStepsPerPeriod);
+    modes_.push_back(
+        {kDecay / decay, 2.0 * std::numbers::pi / omega / kStepsPerPeriod, shapes.col(i), false});
   }
-  std::ranges::sort(modes_, {}, [](const auto& mode) { return mode.second; });
-  fastest_ = 0;
-  pass_those_at_rest();
+  std::ranges::sort(modes_, {}, &Mode::step);
 }
 
 bool Transients::add(const LinearisedRow& row, const MatrixXd& G) {
@@ -63,23 +62,36 @@ bool Transients::add(const LinearisedRow& row, const MatrixXd& G) {
   const MatrixXd& phi = modes.eigenvectors();
   const Eigen::VectorXd damping = (phi.transpose() * reduced(row.D) * phi).diagonal().cwiseMax(0.0);
   const double most = modes.eigenvalues().maxCoeff();
-  add((modes.eigenvalues().array() > kAtRest * most).select(modes.eigenvalues(), 0.0), damping);
+  add((modes.eigenvalues().array() > kAtRest * most).select(modes.eigenvalues(), 0.0), damping,
+      scale.asDiagonal() * (N * phi));
   return true;
 }
 
-void Transients::begin() {
+void Transients::begin(const MatrixXd& load) {
   if (steps_left_ <= 0) return;
+  std::vector<std::pair<double, Mode*>> struck;
+  double all = 0.0;
+  for (Mode& mode : modes_) {
+    struck.emplace_back((mode.shape.transpose() * load).squaredNorm() * mode.rest, &mode);
+    all += struck.back().first;
+  }
+  std::ranges::sort(struck);
+  double unheard = 0.0;
+  for (const auto& [power, mode] : struck) {
+    unheard += power;
+    mode->rings = (mode->rings && since_ < mode->rest) || unheard > kUnheard * all;
+  }
   since_ = 0.0;
   fastest_ = 0;
   pass_those_at_rest();
 }
 
 void Transients::pass_those_at_rest() {
-  while (fastest_ < modes_.size() && !(since_ < modes_[fastest_].first)) ++fastest_;
+  while (fastest_ < modes_.size() && !(modes_[fastest_].rings && since_ < modes_[fastest_].rest)) ++fastest_;
 }
 
 double Transients::step() const {
-  return steps_left_ > 0 && fastest_ < modes_.size() ? modes_[fastest_].second
+  return steps_left_ > 0 && fastest_ < modes_.size() ? modes_[fastest_].step
                                                      : std::numeric_limits<double>::infinity();
 }
 
@@ -112,11 +124,23 @@ void LinearCorrection::solve(const MatrixXd& rhs, MatrixXd& x) const {
     x = A_.solve(rhs);
 }
 
+// G A^-1 G^T with B = A^-1 G^T; a part in 1e12 on its diagonal carries it over dead points and rows that others imply.
+void LinearCorrection::factor_schur(const MatrixXd& G, const MatrixXd& B) {
+  MatrixXd schur = G * B;
+  const double mean = schur.trace() / static_cast<double>(schur.rows());
+  schur.diagonal().array() += 1e-12 * mean;
+  schur_.compute(schur);
+}
+
 void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& G, const MatrixXd& load,
                             Transients* transients, bool jumped) {
   const auto whole = [&] {
     factor(h, kRhoOfRows, row);
-    step_once(h, kRhoOfRows, row, G, G.rows() > 0 ? MatrixXd(A_.solve(G.transpose())) : MatrixXd(), load);
+    if (G.rows() > 0) {
+      B_part_ = A_.solve(G.transpose());
+      factor_schur(G, B_part_);
+    }
+    step_once(h, kRhoOfRows, row, G, B_part_, load);
     if (transients && h > 0.0) transients->pass(h);
   };
   if (!transients || !(transients->step() < h)) {
@@ -125,6 +149,7 @@ void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& 
     // Steps h / 2^k, longer ones where the place in the row allows it.
     MatrixXd B_last, B, force;
     int k_last = -1;
+    const bool holds = G.rows() > 0 && G.rows() == last_G_.rows() && G == last_G_;
     for (long place = 0, all = 1L << kFinest; place < all;) {
       const double longest = transients->step();
       int k = 0;
@@ -139,16 +164,23 @@ void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& 
         if (k >= kWorthAnInverse && inverse_.rows() == 0) inverse_ = A_.inverse();
         if (G.rows() > 0) {
           B = A_.solve(G.transpose());
-          B_last = A_.solve(last_G_.transpose());
+          if (holds)
+            factor_schur(G, B);
+          else
+            B_last = A_.solve(last_G_.transpose());
         }
         k_last = k;
       }
       force = load;
       if (!jumped) force -= (1.0 - part) * (load - last_load_);
-      if (G.rows() > 0)
-        step_once(dt, rho, row, last_G_ + part * (G - last_G_), B_last + part * (B - B_last), force);
-      else
+      if (G.rows() > 0 && !holds) {
+        G_part_ = last_G_ + part * (G - last_G_);
+        B_part_ = B_last + part * (B - B_last);
+        factor_schur(G_part_, B_part_);
+        step_once(dt, rho, row, G_part_, B_part_, force);
+      } else {
         step_once(dt, rho, row, G, B, force);
+      }
       transients->pass(dt);
     }
   }
@@ -176,16 +208,12 @@ void LinearCorrection::step_once(double h, double rho, const LinearisedRow& row,
     rhs_.noalias() -= row.D * predicted_rate_;
     rhs_.noalias() -= row.K * predicted_;
   }
-  // [A G^T; G 0] (acceleration, dlambda) = (rhs, 0 or what closes the loops at position level), by the Schur
-  // complement; a part in 1e12 on its diagonal carries it over dead points and rows that others imply.
+  // [A G^T; G 0] (acceleration, dlambda) = (rhs, 0 or what closes the loops at position level).
   solve(rhs_, next_);
   if (G.rows() > 0) {
-    MatrixXd schur = G * B;
-    const double mean = schur.trace() / static_cast<double>(schur.rows());
-    schur.diagonal().array() += 1e-12 * mean;
-    MatrixXd gap = G * next_;
-    if (h > 0.0) gap += G * predicted_ / to_acceleration;
-    dlambda_ = Eigen::PartialPivLU<MatrixXd>(schur).solve(gap);
+    gap_.noalias() = G * next_;
+    if (h > 0.0) gap_.noalias() += G * predicted_ / to_acceleration;
+    dlambda_ = schur_.solve(gap_);
     next_.noalias() -= B * dlambda_;
   } else {
     dlambda_.resize(0, load.cols());
