@@ -38,6 +38,7 @@ void Transients::add(const Eigen::VectorXd& omega2, const Eigen::VectorXd& dampi
         {kDecay / decay, 2.0 * std::numbers::pi / omega / kStepsPerPeriod, shapes.col(i), false});
   }
   std::ranges::sort(modes_, {}, &Mode::step);
+  fastest_ = modes_.size();  // until a load sets in
 }
 
 bool Transients::add(const LinearisedRow& row, const MatrixXd& G) {
