@@ -39,7 +39,15 @@ BarSection box(double along_y, double along_z, double side, double flange);
 /// is given where the walls are.
 BarSection open_section(const std::vector<Wall>& walls, double shear_y, double shear_z);
 
-/// A section of PBARL and PBEAML (MSC Nastran's shapes ROD, TUBE, TUBE2, BAR, BOX, I, T, CHAN, L, H); std::invalid_argument for
+/// A wall of a thin-walled section, between two points.
+struct Line {
+  std::size_t from, to;
+  double thickness;
+};
+/// The shear centre (y, z) of an open one; its walls are a tree, each from where an earlier one ends.
+Eigen::Vector2d thin_shear_centre(const std::vector<Eigen::Vector2d>& points, const std::vector<Line>& lines);
+
+/// A section of PBARL and PBEAML (MSC Nastran's shapes but HAT1, DBOX and those of other programs); std::invalid_argument for
 /// shapes that are not known, too few dimensions, or dimensions that leave no material.
 BarSection nastran_section(const std::string& type, const std::vector<double>& dim);
 std::size_t nastran_dimensions(const std::string& type);

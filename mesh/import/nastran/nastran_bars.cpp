@@ -31,7 +31,11 @@ ImportedBar NastranReader::shaped_section(const Card& card) {
     throw std::invalid_argument(
         fmt::format("{}: {} {}: {}", card.where.text(), card.name, card.integer(0), error.what()));
   }
-  if (card.name == "PBEAML") bar.centroid = -shear_centre;  // CBAR knows one centre only
+  if (card.name == "PBEAML") {  // CBAR knows one centre only
+    bar.centroid = -shear_centre;
+    if (type == "BOX1")
+      approximated_.add("PBEAML BOX1: its shear centre is taken at the centroid", card.where);
+  }
   bar.extra_mass_per_length = card.real(8 + n, 0);
   for (std::size_t k = 8 + n + 1; card.name == "PBEAML" && k < card.fields.size(); ++k)
     if (card.text(k).rfind("YES", 0) == 0 || card.text(k) == "NO") {

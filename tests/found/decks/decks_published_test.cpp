@@ -136,6 +136,71 @@ TEST_F(DeckPublished, OneBarBesideItsNodes) {
           {0.04, 0.12, 0.26, -0.03, -0.03, 0.019}, kMystran);
 }
 
+// bush_07, bush_10, bush_11, bush_51: axes by a third node or a system (CID), places by OCID, nodes in one place.
+TEST_F(DeckPublished, FourBushes) {
+  const std::string grids =
+      "GRID           1       0      0.      0.      0.       0\n"
+      "GRID           2       0     12.    25.2    37.8       0\n"
+      "PBUSH          1       K  17825.  12435.   7842.   8735.1000000. 204500.                \n";
+  const Six force = {-1200, 300, 750, 0, 0, 0};
+  const struct {
+    const char* name;
+    std::string cards;
+    Six load, printed;
+  } bushes[] = {{"bush_07",
+                 grids + "GRID           3       0     15.     20.      0.       0\n"
+                         "CBUSH          1       1       1       2       3                        \n",
+                 force,
+                 {-1.958746, -1.106083, 1.391137, 7.021336e-2, -7.700502e-2, 2.904672e-2}},
+                {"bush_10",
+                 grids + "GRID           3       0     15.     20.      0.       0\n"
+                         "CBUSH          1       1       1       2       3                        +       \n"
+                         "+                      0      8.      2.      1.\n",
+                 force,
+                 {-6.233524, -3.991428, 3.252802, 0.1121211, -0.1517936, 2.198956e-2}},
+                {"bush_11",
+                 grids + "CORD2R         3       0      0.      0.      0..3914372-.270872.8794347+       \n"
+                         "+       .8794347.3914372-.270872        \n"
+                         "CBUSH          1       1       1       2                               3+       \n"
+                         "+                      0      5.      1.      5.\n",
+                 force,
+                 {-48.21241, 63.71769, -36.65486, -1.781806, -0.9153623, 0.7486954}},
+                {"bush_51",
+                 "PBUSH          1       K  14520.  75402.  84360. 145000.2478000.2471080.                \n"
+                 "GRID           1       0      0.      0.      0.       0\n"
+                 "GRID           2       0      0.      0.      0.       0\n"
+                 "CBUSH          1       1       1       2                               0\n",
+                 {1750, 245, 784, 0, 0, 0},
+                 {0.1205234, 3.249251e-3, 9.293504e-3, 0, 0, 0}}};
+  for (const auto& bush : bushes) {
+    const Reduced r =
+        reduce_at("SOL 101\nCEND\n  SPC = 1\n  LOAD = 1\nBEGIN BULK\n" + bush.cards + stubs(1, 2), {1, 2});
+    ASSERT_EQ(r.outcome.exit_code, 0) << bush.name << r.outcome.err;
+    compare(bush.name, r.se, solve(r.se, {{1, "123456"}}, {{2, bush.load}}), 2, bush.printed, kMystran);
+  }
+}
+
+// bar_16: nodes in a system of their own, arms at both ends, shear factors.
+TEST_F(DeckPublished, OneBarBesideItsNodesInATurnedSystem) {
+  const Reduced r = reduce_at(
+      "BEGIN BULK\n"
+      "CORD2R         3       0      0.      0.      0..2511933-.122501.9601539+       \n"
+      "+       .9197693.3392322-.197347        \n"
+      "PBAR           1       1    184.21565.3311125.3323108.67      0.        +       \n"
+      "+           -15.    -10.     15.    -10.     15.     10.    -15.     10.+       \n"
+      "+       .5827076.3293826      0.\n"
+      "MAT1           1  70000.26315.79     .33      0.      0.      0.        \n"
+      "GRID           1       3      0.      0.      0.       0\n"
+      "GRID           2       3-7.11-15    130.    200.       0\n"
+      "CBAR           1       1       1       2      1.      0.      0.        +       \n"
+      "+                            12.     25.     17.     12.     25.     17.\n"
+      "ENDDATA\n",
+      {1, 2}, kDensity);
+  ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
+  compare("bar_16", r.se, solve(r.se, {{1, "123456"}}, {{2, {2500, 1750, 750, 0, 0, 0}}}), 2,
+          {5.798952, 5.922279, -1.667659, -4.378023e-2, 3.982305e-2, -4.815412e-3}, kMystran);
+}
+
 // SB-BUSH-01-OFFSET-2b: the springs stand at a point of a system of their own (OCID, S1 to S3), off the line of the nodes.
 TEST_F(DeckPublished, ABushAtAPointOfItsOwn) {
   const Reduced r = reduce_at(
