@@ -226,6 +226,30 @@ TEST(NastranDeck, MoreFieldsThanALineHoldsGoOnWithTheCard) {
     EXPECT_EQ(shear("PBAR,1,1,.01,1.-5,2.-5,3.-5" + std::string(rest)), (std::array{0.5, 0.25})) << rest;
 }
 
+// Sorted decks: continuations that do not stand behind their cards are found by their marks.
+TEST(NastranDeck, ContinuationsGoToTheCardThatWaitsForThem) {
+  const ImportedModel model = read_text(
+      "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nMAT1,1,2.+11,,.3,7850.\n"
+      "CBAR           1       1       1       2      0.      1.      0.        +C1\n"
+      "CBAR           2       1       1       2      0.      1.      0.        +C2\n"
+      "+C1                           .1\n"
+      "+C2                           .2\n"
+      "PBAR           1       1     .01   1.-5    2.-5    3.-5\n");
+  EXPECT_EQ(model.bars.at(0).offset[0].x(), 0.1);
+  EXPECT_EQ(model.bars.at(1).offset[0].x(), 0.2);
+}
+
+// A name in quotes over several lines, with the separators of another system.
+TEST(NastranDeck, IncludesOverSeveralLines) {
+  const Scratch scratch(
+      "deck.bdf",
+      "SOL 101\nCEND\nBEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\n"
+      "include 'mesh\\\n   bars.\n   dat'\nMAT1,1,2.+11,,.3,7850.\nPBAR,1,1,.01,1.-5,2.-5,3.-5\n");
+  std::filesystem::create_directories(scratch.path().parent_path() / "mesh");
+  std::ofstream(scratch.path().parent_path() / "mesh/bars.dat") << "CBAR,1,1,1,2,0.,1.,0.\n";
+  EXPECT_EQ(read_nastran(scratch.path()).bars.size(), 1u);
+}
+
 TEST(NastranDeck, RefusalsNameFileLineAndRemedy) {
   const std::string grids = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n";
   EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,2,3,9\n"), HasSubstr("deck.bdf, line 5: node 9 does not exist"));

@@ -254,8 +254,9 @@ ImportedBar NastranReader::section(std::int64_t property, const Card& bar) {
     while (is_station(at)) {
       for (std::size_t d = 0; d < 6; ++d)  // A, I1, I2, I12, J, NSM; blank: as at end A
         tapered =
-            tapered || (!card->blank(at + 2 + d) && std::abs(card->real(at + 2 + d) - card->real(2 + d, 0)) >
-                                                        1e-6 * std::abs(card->real(at + 2 + d)));
+            tapered || (!card->blank(at + 2 + d) &&
+                        std::abs(card->real(at + 2 + d) - card->real(2 + d, 0)) >
+                            1e-4 * std::abs(card->real(at + 2 + d)));  // fields of eight characters round
       at += card->text(at) == "YES" ? 16 : 8;
     }
     s.kappa_y = card->real(at, 1);

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <stdexcept>
 
 #include "mesh/import/deck_files.hpp"
@@ -57,7 +58,14 @@ std::optional<double> parse_real(const std::string& field) {
 struct Line {
   std::string name;
   std::vector<std::string> fields;
+  std::string next;  ///< the mark of the line that goes on with the card
 };
+
+// "+AB", "*AB" and "AB" are one mark; "+" alone is none.
+std::string mark(const std::string& text) {
+  return upper(trimmed(std::string_view(text).substr(
+      text.find_first_not_of("+*") == std::string::npos ? text.size() : text.find_first_not_of("+*"))));
+}
 
 Line split_line(const std::string& raw) {
   Line line;
@@ -79,6 +87,7 @@ Line split_line(const std::string& raw) {
       return text.empty() || text[0] == '*' || std::isalpha(static_cast<unsigned char>(text[0])) ||
              text[0] == '+';
     };
+    if (n == width + 2 && is_name(parts[width + 1])) line.next = mark(parts[width + 1]);
     if (n <= width + 1 || (n == width + 2 && is_name(parts[width + 1]))) n = width + 1;
     parts.resize(std::max(n, width + 1));
     line.fields.assign(parts.begin() + 1, parts.end());
@@ -92,6 +101,7 @@ Line split_line(const std::string& raw) {
     const std::size_t begin = 8 + k * width;
     line.fields.push_back(begin < text.size() ? trimmed(std::string_view(text).substr(begin, width)) : "");
   }
+  if (text.size() > 72) line.next = mark(trimmed(std::string_view(text).substr(72, 8)));
   return line;
 }
 
@@ -122,9 +132,18 @@ class Deck {
       return;
     }
     if (upper(trimmed(raw)).rfind("INCLUDE", 0) == 0) {
-      std::string file = trimmed(trimmed(raw).substr(7));
-      file.erase(std::remove_if(file.begin(), file.end(), [](char c) { return c == '\'' || c == '"'; }),
-                 file.end());
+      including_ = trimmed(trimmed(raw).substr(7));
+      if (including_.empty()) including_ = "'";
+    } else if (!including_.empty()) {
+      including_ += trimmed(raw);
+    }
+    if (!including_.empty()) {  // a name in quotes may go on over several lines
+      const char quote = including_[0];
+      const bool quoted = quote == '\'' || quote == '"';
+      if (quoted && including_.find(quote, 1) == std::string::npos) return;
+      std::string file = quoted ? including_.substr(1, including_.find(quote, 1) - 1) : including_;
+      including_.clear();
+      std::ranges::replace(file, '\\', '/');
       read(path.parent_path() / file, false, depth + 1);
       return;
     }
@@ -138,17 +157,31 @@ class Deck {
       card.fields = line.fields;
       card.where = where;
       cards.push_back(std::move(card));
+      going_on(cards.size() - 1, line);
       return;
     }
     if (cards.empty())
       throw std::invalid_argument(where.text() + ": a continuation line without a card before it");
-    std::vector<std::string>& fields = cards.back().fields;
+    // Where the line before waits for another one, its card is the one that waits for this.
+    std::size_t of = cards.size() - 1;
+    if (const std::string own = mark(line.name); !own.empty() && own != awaited_)
+      if (const auto waiting = waiting_.find(own); waiting != waiting_.end()) of = waiting->second;
+    going_on(of, line);
+    std::vector<std::string>& fields = cards[of].fields;
     if (line.fields.size() >= 8 && fields.size() % 8 != 0) fields.resize((fields.size() / 8 + 1) * 8);
     fields.insert(fields.end(), line.fields.begin(), line.fields.end());
   }
 
+  void going_on(std::size_t card, const Line& line) {
+    awaited_ = line.next;
+    if (!line.next.empty()) waiting_[line.next] = card;
+  }
+
   DeckFiles files_;
   bool ended_ = false;
+  std::string awaited_;                         // by the last line
+  std::map<std::string, std::size_t> waiting_;  // cards by the marks of their next lines
+  std::string including_;                       // the name of a file that goes on
 };
 
 }  // namespace
