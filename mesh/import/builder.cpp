@@ -219,7 +219,9 @@ void ModelBuilder::finish(ImportedModel& model) {
       mesh.node_label[static_cast<std::size_t>(number[k])] = labels_[k];
     }
   if (const std::size_t dropped = number.size() - static_cast<std::size_t>(n); dropped > 0)
-    model.messages.push_back(fmt::format("{} nodes belong to no element and are left out", dropped));
+    model.messages.push_back(fmt::format("{} node{} to no element and {} left out", dropped,
+                                         dropped == 1 ? " belongs" : "s belong",
+                                         dropped == 1 ? "is" : "are"));
 
   using Kind = std::pair<CellType, CellVariant>;
   std::vector<Kind> kinds;

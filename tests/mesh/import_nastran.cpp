@@ -239,6 +239,18 @@ TEST(NastranDeck, ContinuationsGoToTheCardThatWaitsForThem) {
   EXPECT_EQ(model.bars.at(1).offset[0].x(), 0.2);
 }
 
+// Words behind the fields, with commas; two bulk data sections.
+TEST(NastranDeck, CommasBehindFixedFieldsAndSecondSections) {
+  const std::string bars =
+      "GRID           1              0.      0.      0.                        a, b\nGRID,2,,1.,0.,0.\n"
+      "CBAR           1       1       1       2      0.      1.      0.\nMAT1,1,2.+11,,.3,7850.\n"
+      "PBAR,1,1,.01,1.-5,2.-5,3.-5\n";
+  EXPECT_EQ(read_text(bars).bars.size(), 1u);
+  EXPECT_THAT(refusal("SOL 101\nCEND\nBEGIN BULK\n" + bars + "BEGIN SUPER=2\nGRID,1\n"),
+              HasSubstr("line 9: a second section of bulk data (BEGIN SUPER=2); the first begins in line 3"));
+  EXPECT_EQ(read_text("SOL 101\nCEND\nBEGIN BULK\n" + bars + "ENDDATA\nBEGIN BULK\n").bars.size(), 1u);
+}
+
 // A name in quotes over several lines, with the separators of another system.
 TEST(NastranDeck, IncludesOverSeveralLines) {
   const Scratch scratch(

@@ -69,7 +69,10 @@ std::string mark(const std::string& text) {
 
 Line split_line(const std::string& raw) {
   Line line;
-  if (raw.find(',') != std::string::npos) {
+  // A comma among the first ten characters makes it free; behind fixed fields there may be words with some.
+  const std::size_t start = std::min(raw.find_first_not_of(" \t"), raw.size());
+  const bool named = start < raw.size() && std::isalpha(static_cast<unsigned char>(raw[start]));
+  if (raw.find(',') < 10 + (named ? start : 0)) {
     std::vector<std::string> parts;
     for (std::size_t begin = 0;;) {
       const std::size_t comma = raw.find(',', begin);
@@ -114,10 +117,18 @@ class Deck {
     std::vector<std::string> lines;
     for (std::string line; std::getline(file, line);) lines.push_back(line.substr(0, line.find('$')));
     std::size_t first = 0;
-    if (skip_case_control)
-      for (std::size_t k = 0; k < lines.size(); ++k)
-        if (upper(trimmed(lines[k])).rfind("BEGIN", 0) == 0) first = k + 1;
     const std::string* name = files_.name(path);
+    for (std::size_t k = 0; skip_case_control && k < lines.size(); ++k) {
+      const std::string text = upper(trimmed(lines[k]));
+      if (text.rfind("ENDDATA", 0) == 0) break;
+      if (text.rfind("BEGIN", 0) != 0) continue;
+      if (first > 0)
+        throw std::invalid_argument(
+            fmt::format("{}: a second section of bulk data ({}); the first begins in line {}: write each "
+                        "superelement or module to a file of its own",
+                        Where{name, static_cast<int>(k) + 1}.text(), text.substr(0, 40), first));
+      first = k + 1;
+    }
     for (std::size_t k = first; k < lines.size() && !ended_; ++k)
       take(lines[k], {name, static_cast<int>(k) + 1}, path, depth);
   }

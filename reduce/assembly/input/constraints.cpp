@@ -65,7 +65,7 @@ class Elimination {
       throw std::invalid_argument(
           fmt::format("{} binds only dofs that follow something else already (nodes of rigid interfaces and "
                       "spiders; of rotations, equal "
-                      "ones of two nodes alone can be bound)",
+                      "ones of two nodes alone can be bound): leave one of its nodes out of the interfaces",
                       equation.of));
     Row& own = dependent_[*pivot];
     const double c = row.at(*pivot);

@@ -134,9 +134,12 @@ void check_pieces(const Part& part, const TiedNumbering& numbering) {
     if (numbering.interfaces()[k].tie == Tie::rigid)
       for (mesh::Index node : numbering.interfaces()[k].nodes)
         parent[root(node)] = root(numbering.n_nodes() + k);
+  std::vector<char> is_point(numbering.n_nodes(), 0);  // beside beams and shells: no node of the user's
+  for (const Follower& follower : part.followers) is_point[follower.point] = 1;
   std::map<int, std::pair<int, int>> pieces;  // root -> (number of nodes, first node)
   for (int node = 0; node < numbering.n_nodes(); ++node)
-    if (numbering.code(node, 0) != kUnused) ++pieces.try_emplace(root(node), 0, node).first->second.first;
+    if (numbering.code(node, 0) != kUnused && !is_point[node])
+      ++pieces.try_emplace(root(node), 0, node).first->second.first;
   if (pieces.empty()) throw std::invalid_argument("the mesh has no cells that stiffness comes from");
   if (pieces.size() == 1) return;
   const auto smallest = std::min_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) {

@@ -100,6 +100,16 @@ TEST_F(DeckCards, DensityAloneIsGivenInThePartFile) {
                 "[material.\"1\"] with its density in the part file"));
 }
 
+// Pieces are counted by the deck's nodes; interfaces at both ends of a tie leave it nothing to bind.
+TEST_F(DeckCards, WhatNothingJoinsAndWhatIsJoinedTwice) {
+  const std::string ends =
+      "[interface.a]\nby = \"nodes\"\nnodes = [3]\n[interface.b]\nby = \"nodes\"\nnodes = [5]\n";
+  EXPECT_THAT(reduce_deck(frame(""), ends).outcome.err,
+              HasSubstr("the mesh falls into 2 pieces that nothing joins; the smallest has 2 nodes"));
+  EXPECT_THAT(reduce_deck(frame("RBE2,9,3,126,5\n"), ends).outcome.err,
+              HasSubstr("leave one of its nodes out of the interfaces"));
+}
+
 TEST_F(DeckCards, SpringsAloneAreNoBody) {
   EXPECT_THAT(
       reduce_deck("BEGIN BULK\nGRID,1\nGRID,2,,1.\nPBUSH,5,K,1.,1.,1.\nCBUSH,9,5,1,2,,,,0\n", "").outcome.err,

@@ -52,5 +52,42 @@ TEST_F(DeckMixed, MystransShelf) {
         {"MYSTRAN's validation (MIT)", "0.3 %: its shells are of another kind, in a mesh of 2 x 2"});
 }
 
+// pyNastran's models/beam_modes (SteveDoyle2/pyNastran, BSD licence): PBARL and PBEAML in a file of their own, a mass at the tip; mass and
+// frequencies that MSC Nastran 2005 prints, with its lumped masses on ten elements.
+TEST_F(DeckMixed, PynastransBeamModes) {
+  std::string bars;
+  for (int k = 1; k <= 11; ++k)
+    bars += fmt::format("GRID    {:8}       0{:8.5f}     0.0     0.0       0\n", k, k - 1.0);
+  bars += "GRID          12       0 5.49607     0.0     0.0       0\n$*  ELEMENT CARDS\n$*\n";
+  for (int k = 1; k <= 9; ++k)
+    bars += fmt::format("CBAR    {:8}       1{:8}{:8}     0.01.000000     0.0\n", k, k, k + 1);
+  folder_.write("cbar_cbeam.blk",
+                bars +
+                    "CBEAM         10       3      10      11     0.01.000000     0.0\n"
+                    "CONM2         21      11       02.5900-3     0.0     0.0     0.0        + \n"
+                    "+       2.5900-3     0.02.5900-3     0.0     0.02.5900-3\n"
+                    "MAT1           23.0000+71.1628+7.29000007.4851-4     0.0             0.0\n"
+                    "PBARL          1       2MSCBML0 ROD                                     + \n"
+                    "+       1.000000     0.0\n"
+                    "PBEAML         3       2MSCBML0 ROD                                     + \n"
+                    "+       1.000000     0.0\n");
+  const Reduced r = reduce_deck(
+      "SOL SEMODES\n$*\nCEND\nMETHOD = 1\nOUTPUT(XYPLOT)\nXYPRINT DISP / 1(T2), 2(T2) \nBEGIN BULK\n"
+      "PARAM   K6ROT   100.0000\nEIGRL          1                      10                             "
+      "MAX\n$*\n"
+      "INCLUDE 'cbar_cbeam.blk'\n$*\nSPC            1       1  123456     0.0\nENDDATA\n",
+      "[interface.root]\nby = \"nodes\"\nnodes = [1]\n[modes]\ncount = 8\n", {}, "beam_modes.dat");
+  ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
+  EXPECT_THAT(r.outcome.out, HasSubstr("1 node belongs to no element and is left out"));
+  const Reference digits = {"MSC Nastran 2005 in pyNastran's models (BSD)", "the last digit printed"};
+  expect_reference("beam_modes, mass", "", r.se.inertia.mass, 2.610514e-2, 0.51e-8, digits);
+  expect_reference("beam_modes, first moment", "", r.se.inertia.S_x.x(), 1.434757e-1, 0.51e-7, digits);
+  const Reference lumped = {"MSC Nastran 2005 in pyNastran's models (BSD)",
+                            "0.5 %: lumped masses on ten elements"};
+  const VectorXd hz = clamped_hz(r.se);
+  expect_reference("beam_modes, bending", "Hz", hz(0), 456.6603, 0.005 * 456.6603, lumped);
+  expect_reference("beam_modes, stretch", "Hz", hz(5), 4507.487, 0.005 * 4507.487, lumped);
+}
+
 }  // namespace
 }  // namespace flexura::test
