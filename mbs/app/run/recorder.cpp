@@ -12,6 +12,7 @@
 
 #include "mbs/base/documents/units.hpp"
 #include "mbs/mechanism/describe.hpp"
+#include "mbs/mechanism/drawn_elements.hpp"
 
 namespace flexura::app {
 
@@ -38,6 +39,11 @@ std::string drawn_to_its_centre(const mbs::BodyDescription& body, const nlohmann
   return nlohmann::json::array({{{"type", "line"}, {"points", {list(points.front()), list(center)}}}}).dump();
 }
 
+std::string line_of(double length) {
+  return nlohmann::json::array({{{"type", "line"}, {"points", {{0.0, 0.0, 0.0}, {length, 0.0, 0.0}}}}})
+      .dump();
+}
+
 }  // namespace
 
 results::ModelHeader model_header(std::span<const NamedRun> runs, const std::filesystem::path& mechanism_file,
@@ -58,6 +64,7 @@ results::ModelHeader model_header(const std::vector<const mbs::PreparedMechanism
   header.connections_json = mbs::connections_json(first);
   const auto connections = nlohmann::json::parse(header.connections_json);
   const auto results_folder = std::filesystem::absolute(results_file).parent_path();
+  const std::vector<mbs::DrawnElement> elements = mbs::drawn_elements(first);
   for (std::size_t b = 0; b < first.description().bodies.size(); ++b) {
     const mbs::BodyDescription& body = first.description().bodies[b];
     results::BodyHeader line;
@@ -76,8 +83,14 @@ results::ModelHeader model_header(const std::vector<const mbs::PreparedMechanism
       const auto path = std::filesystem::absolute(body.superelement).lexically_normal();
       line.superelement = path.lexically_relative(results_folder.lexically_normal()).generic_string();
     }
+    // What bends is drawn element by element.
+    const auto part = std::ranges::find(elements, static_cast<int>(b), &mbs::DrawnElement::body);
+    if (part != elements.end() && (body.shape_json.empty() || body.shape_json == "[]"))
+      line.shape_json = line_of(1e-3 * part->length);
     header.bodies.push_back(std::move(line));
   }
+  for (const mbs::DrawnElement& element : elements)
+    header.bodies.push_back({element.name, "rigid", "", line_of(element.length)});
   return header;
 }
 
@@ -141,10 +154,12 @@ Recorder::Recorder(const mbs::PreparedMechanism& prepared, results::Writer& writ
       body.basis = deforms->modal()->Y;
     run_bodies_.push_back(std::move(body));
   }
+  for (const mbs::DrawnElement& element : mbs::drawn_elements(mechanism_))
+    run_bodies_.push_back({element.name, {}});
   row_.quantities.resize(static_cast<Eigen::Index>(quantities_.size()));
-  row_.pose.assign(bodies.size(), Eigen::Matrix<double, 7, 1>::Zero());
+  row_.pose.assign(run_bodies_.size(), Eigen::Matrix<double, 7, 1>::Zero());
   for (auto& pose : row_.pose) pose(3) = 1.0;
-  row_.modal.resize(bodies.size());
+  row_.modal.resize(run_bodies_.size());
 }
 
 void Recorder::begin(const std::string& name) {
@@ -197,13 +212,19 @@ void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const E
   turns_.observe(s, v_dot);
   paths_.observe(s, v_dot);
   mechanism_.body_poses(s, *scratch_, poses_);
-  for (std::size_t b = 0; b < poses_.size(); ++b) {
-    row_.pose[b].head<3>() = poses_[b].p;
-    const Eigen::Quaterniond q(poses_[b].R);
+  const auto set_pose = [&](std::size_t b, const mbs::Pose& X) {
+    row_.pose[b].head<3>() = X.p;
+    const Eigen::Quaterniond q(X.R);
     Eigen::Vector4d wxyz(q.w(), q.x(), q.y(), q.z());
     // The sign that continues the last row: pictures interpolate.
     if (wxyz.dot(row_.pose[b].tail<4>()) < 0.0) wxyz = -wxyz;
     row_.pose[b].tail<4>() = wxyz;
+  };
+  std::size_t element = poses_.size();
+  for (std::size_t b = 0; b < poses_.size(); ++b) {
+    set_pose(b, poses_[b]);
+    for (const mbs::Pose& X : mbs::drawn_chords(mechanism_, static_cast<int>(b), s))
+      set_pose(element++, poses_[b] * X);
     if (const double* modal = mechanism_.modal_coordinates(static_cast<int>(b), s))
       row_.modal[b] = Eigen::Map<const Eigen::VectorXd>(modal, run_bodies_[b].basis.cols());
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mbs/base/math/rotation.hpp"
 #include "mbs/bodies/beams/carried_start.hpp"
 
 namespace flexura::mbs {
@@ -147,6 +148,18 @@ Pose PlanarBeam::node_pose(int node, const double* s) const {
   chain_.move(s, nullptr, nullptr, pass, places_[i].element + 1);
   const Element::Motion at = chain_.motion(places_[i], s, nullptr, nullptr, pass);
   return {start_.R * at.R * R_rest_[i].transpose(), start_ * at.p};
+}
+
+std::vector<Pose> PlanarBeam::chords(const double* s) const {
+  PlanarChain::Pass pass = chain_.make_pass();
+  chain_.move(s, nullptr, nullptr, pass);
+  std::vector<Pose> out;
+  for (std::size_t k = 0; k + 1 < pass.ends.size(); ++k) {
+    const Vec2 &r = pass.ends[k].r, along = pass.ends[k + 1].r - r;
+    Matrix3d R = rotation_exp(std::atan2(along.y, along.x) * Vector3d::UnitZ());
+    out.push_back(start_ * Pose{R, {r.x, r.y, 0.0}});
+  }
+  return out;
 }
 
 void PlanarBeam::node_motion(int node, const double* s, const double* s_dot, const double* s_ddot,

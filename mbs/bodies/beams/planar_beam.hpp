@@ -22,6 +22,11 @@ class PlanarBeam final : public FlexibleBody {
   PlanarBeam(beam::exact::PlanarChain chain, const Pose& start, double damping_time,
              const std::vector<Station>& stations, const SlenderBeam& whole);
 
+  int elements() const { return chain_.elements(); }
+  double element_length() const { return chain_.length() / chain_.elements(); }
+  /// In B: where each element starts, x along the line to its end.
+  std::vector<Pose> chords(const double* s) const;
+
   std::optional<SlenderBeam> slender() const override { return whole_; }
   /// Normal to the plane, in B.
   std::optional<Vector3d> stiff_direction() const override { return start_.R.col(2); }

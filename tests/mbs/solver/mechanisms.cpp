@@ -176,6 +176,35 @@ direction = [0, 0, 1]
   EXPECT_NEAR(hz["ked"], hz["modal"], 1e-5 * hz["modal"]);  // of a linearisation by differences
 }
 
+// It is one body, whose pose tells nothing of how it bends.
+TEST_F(MechanismRun, PlanarBeamIsDrawnElementByElement) {
+  file(R"toml(
+gravity = [0, -9.81, 0]
+[body.rope]
+fidelity = "cable"
+[body.rope.beam]
+to = [1.5, 0, 0]
+elements = 3
+planar = true
+EA = 1e5
+mass_per_length = 1
+[joint.hook]
+type = "revolute"
+from = "ground"
+to = "rope.root"
+)toml");
+  ASSERT_EQ(flexura("simulate m.toml -o m.h5 --end-time 0.3"), 0) << text_of("err.txt");
+  const results::Results r = results::read(folder_ / "m.h5");
+  ASSERT_EQ(r.model.bodies.size(), 5u);  // ground, the rope and three pictures
+  for (std::size_t k : {2, 3}) {
+    const Eigen::RowVectorXd from = r.runs[0].bodies[k].pose.bottomRows<1>(),
+                             to = r.runs[0].bodies[k + 1].pose.bottomRows<1>();
+    const Eigen::Quaterniond q(from(3), from(4), from(5), from(6));
+    const Eigen::Vector3d end = from.head<3>().transpose() + q * Eigen::Vector3d(0.5, 0.0, 0.0);
+    EXPECT_LT((to.head<3>().transpose() - end).norm(), 0.02);  // an arc is longer than its chord
+  }
+}
+
 TEST_F(MechanismRun, CommandWritesNamedRunsTablesAndSummary) {
   file(std::string(engine) + R"toml(
 [run.light]
