@@ -36,10 +36,7 @@ Follower::Follower(FullModel& full, const std::vector<ScreenedRow>& rows, std::s
       correction_(alone_.n(), 1) {
   VectorXd own_damping = (S.transpose() * damping_of(full_, block).asDiagonal() * S).diagonal();
   own_damping.tail(extra_damping.size()) += extra_damping;
-  MatrixXd shapes = MatrixXd::Zero(alone_.n(), S.cols());
-  shapes.bottomRows(S.cols()).setIdentity();
-  transients_.add((S.transpose() * stiffness_of(full_, block).asDiagonal() * S).diagonal(), own_damping,
-                  shapes);
+  transients_.add((S.transpose() * stiffness_of(full_, block).asDiagonal() * S).diagonal(), own_damping);
 }
 
 bool Follower::next(VectorXd* y) {
@@ -54,13 +51,9 @@ bool Follower::next(VectorXd* y) {
   // A jump in the rows that are passed over counts, too.
   bool jumped = false;
   for (std::size_t k = i; k > 0 && k + every_ > i; --k) jumped = jumped || rows_[k].jumped;
-  VectorXd load = alone_.load(at.residual);
-  if (i == 0)
-    transients_.begin(load);
-  else if (jumped)
-    transients_.begin(load - last_load_);
-  correction_.step(i == 0 ? 0.0 : at.s.t - rows_[i - every_].s.t, small_, G_, load, &transients_, jumped);
-  last_load_ = std::move(load);
+  if (jumped) transients_.begin();
+  correction_.step(i == 0 ? 0.0 : at.s.t - rows_[i - every_].s.t, small_, G_, alone_.load(at.residual),
+                   &transients_, jumped);
   if (!y) return true;
   full_.move(at.s, alone_.spread(correction_.delta().col(0)), alone_.spread(correction_.rate().col(0)),
              correction_.dlambda().rows() > 0 ? VectorXd(correction_.dlambda().col(0)) : VectorXd(), moved_);

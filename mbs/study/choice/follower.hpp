@@ -44,7 +44,6 @@ class Follower {
   Transients transients_;
   LinearisedRow small_, own_;
   Eigen::MatrixXd G_;
-  Eigen::VectorXd last_load_;
   mbs::State moved_;
   std::size_t at_ = 0;  // the next row
 };

@@ -29,16 +29,16 @@ constexpr int kWorthAnInverse = 5;
 
 }  // namespace
 
-void Transients::add(const Eigen::VectorXd& omega2, const Eigen::VectorXd& damping, const MatrixXd& shapes) {
+void Transients::add(const Eigen::VectorXd& omega2, const Eigen::VectorXd& damping) {
   for (Eigen::Index i = 0; i < omega2.size(); ++i) {
     const double omega = std::sqrt(std::max(omega2(i), 0.0));
     if (!(omega > 0.0)) continue;
     const double decay = std::max(0.5 * damping(i), kLeastDampingRatio * omega);
-    modes_.push_back(
-        {kDecay / decay, 2.0 * std::numbers::pi / omega / kStepsPerPeriod, shapes.col(i), false});
+    modes_.emplace_back(kDecay / decay, 2.0 * std::numbers::pi / omega / kStepsPerPeriod);
   }
-  std::ranges::sort(modes_, {}, &Mode::step);
-  fastest_ = modes_.size();  // until a load sets in
+  std::ranges::sort(modes_, {}, [](const auto& mode) { return mode.second; });
+  fastest_ = 0;
+  pass_those_at_rest();
 }
 
 bool Transients::add(const LinearisedRow& row, const MatrixXd& G) {
@@ -63,36 +63,23 @@ bool Transients::add(const LinearisedRow& row, const MatrixXd& G) {
   const MatrixXd& phi = modes.eigenvectors();
   const Eigen::VectorXd damping = (phi.transpose() * reduced(row.D) * phi).diagonal().cwiseMax(0.0);
   const double most = modes.eigenvalues().maxCoeff();
-  add((modes.eigenvalues().array() > kAtRest * most).select(modes.eigenvalues(), 0.0), damping,
-      scale.asDiagonal() * (N * phi));
+  add((modes.eigenvalues().array() > kAtRest * most).select(modes.eigenvalues(), 0.0), damping);
   return true;
 }
 
-void Transients::begin(const MatrixXd& load) {
+void Transients::begin() {
   if (steps_left_ <= 0) return;
-  std::vector<std::pair<double, Mode*>> struck;
-  double all = 0.0;
-  for (Mode& mode : modes_) {
-    struck.emplace_back((mode.shape.transpose() * load).squaredNorm() * mode.rest, &mode);
-    all += struck.back().first;
-  }
-  std::ranges::sort(struck);
-  double unheard = 0.0;
-  for (const auto& [power, mode] : struck) {
-    unheard += power;
-    mode->rings = (mode->rings && since_ < mode->rest) || unheard > kUnheard * all;
-  }
   since_ = 0.0;
   fastest_ = 0;
   pass_those_at_rest();
 }
 
 void Transients::pass_those_at_rest() {
-  while (fastest_ < modes_.size() && !(modes_[fastest_].rings && since_ < modes_[fastest_].rest)) ++fastest_;
+  while (fastest_ < modes_.size() && !(since_ < modes_[fastest_].first)) ++fastest_;
 }
 
 double Transients::step() const {
-  return steps_left_ > 0 && fastest_ < modes_.size() ? modes_[fastest_].step
+  return steps_left_ > 0 && fastest_ < modes_.size() ? modes_[fastest_].second
                                                      : std::numeric_limits<double>::infinity();
 }
 

@@ -25,34 +25,26 @@ struct LinearisedRow {
 
 /// How long modes ring after a sudden load, and how short the steps must be that follow them: an oscillation
 /// of frequency omega and damping ratio zeta is followed with kStepsPerPeriod steps until it has fallen to
-/// exp(-kDecay).  Few steps in all: the fast ones are at rest soon, and what the load hardly strikes is not followed.
+/// exp(-kDecay).  Few steps in all: the fast ones are at rest soon.
 class Transients {
  public:
-  /// More modes that may ring: squares of their frequencies [rad^2/s^2], damping 2 zeta omega [1/s], and in its columns what
-  /// each moves of the coordinates, of unit mass.
-  void add(const Eigen::VectorXd& omega2, const Eigen::VectorXd& damping, const Eigen::MatrixXd& shapes);
+  /// More modes that may ring: squares of their frequencies [rad^2/s^2], and damping 2 zeta omega [1/s].
+  void add(const Eigen::VectorXd& omega2, const Eigen::VectorXd& damping);
   /// Those of the row as its constraints hold them: a joint takes damping from a body's free modes, which have it, and gives to motions
   /// that have none.  False, and none, where there are too many coordinates for it to pay or the row is no vibration.
   bool add(const LinearisedRow& row, const Eigen::MatrixXd& G);
-  /// Loads (n x columns) have just set in.  A mode of unit mass then has the acceleration phi^T load; those are left out that
-  /// together have less than kUnheard of its square over the time that all ring.  Nothing is followed any more once the
-  /// steps are used up.
-  void begin(const Eigen::MatrixXd& load);
+  /// Loads have just jumped.  Nothing is followed any more once the steps are used up.
+  void begin();
   /// The longest step from here [s]; infinite where nothing rings.
   double step() const;
   void pass(double dt);
 
  private:
-  struct Mode {
-    double rest = 0.0, step = 0.0;  ///< [s], after which it is at rest, and of a step
-    Eigen::VectorXd shape;
-    bool rings = false;
-  };
   void pass_those_at_rest();
 
-  static constexpr double kStepsPerPeriod = 12.0, kDecay = 4.0, kLeastDampingRatio = 2e-3, kUnheard = 1e-5;
-  std::vector<Mode> modes_;  // the fastest first
-  std::size_t fastest_ = 0;  // of those that still ring
+  static constexpr double kStepsPerPeriod = 12.0, kDecay = 4.0, kLeastDampingRatio = 2e-3;
+  std::vector<std::pair<double, double>> modes_;  // until when it rings [s], step [s]; the fastest first
+  std::size_t fastest_ = 0;                       // of those that still ring
   double since_ = 0.0;
   long steps_left_ = 40000;
 };

@@ -38,7 +38,6 @@ struct Shadows::Impl {
   bool jumped = false;
   std::vector<int> outputs;
   std::vector<OutputEstimate> sums;
-  MatrixXd last_load;
   MatrixXd source_sums, last_source;  // outputs x sources: integral of the error squared
   VectorXd square, square_size, last_square, last_size;
   bool asked = false;  // the user named the outputs
@@ -201,10 +200,7 @@ void Shadows::Impl::list_transients() {
                                       .description()
                                       .bodies[static_cast<std::size_t>(full.blocks()[i].body)]
                                       .flexible->modal();
-    const ModalBlock& block = full.blocks()[i];
-    MatrixXd shapes = MatrixXd::Zero(full.mechanism().sizes().n_v, block.m);
-    shapes.middleRows(block.v, block.m).setIdentity();
-    transients.add(data.stiffness, data.damping, shapes);
+    transients.add(data.stiffness, data.damping);
   }
 }
 
@@ -217,13 +213,8 @@ bool Shadows::Impl::follow(const mbs::State& at, const VectorXd& v_dot_at, bool 
   full.residual(s, v_dot, r);
   if (taken == 0) list_transients();
   jumped = taken > 0 && jumps_before(at.t);
-  MatrixXd load = loads();
-  if (taken == 0)
-    transients.begin(load);
-  else if (jumped)
-    transients.begin(load - last_load);
-  correction->step(h, *linearised.row(), linearised.G(), load, &transients, jumped);
-  last_load = std::move(load);
+  if (jumped) transients.begin();
+  correction->step(h, *linearised.row(), linearised.G(), loads(), &transients, jumped);
   compare(h);
   // Sizes are means over rows, which lie evenly.
   if (is_row) families.take(s, v_dot);

@@ -4,10 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <set>
 
-#include "mbs/study/estimate/linear_correction.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/app/command.hpp"
 #include "tests/mbs/study/clamped_bar.hpp"
@@ -267,31 +265,6 @@ TEST_F(ShadowsOfABar, SeeTheVibrationWithWhichARunSetsOff) {
                                  static_cast<double>(truth.values.rows()));
   // Twelve steps in a period: the phase is 2 % off in each radian, which an rms does not mind; 20 rows fall anywhere in it.
   EXPECT_NEAR(shadows->estimate().outputs.at(0).rms / error, 1.0, 0.2);
-}
-
-// Twelve steps to a period of the fastest mode that is struck; a mode of 1e5 rad/s beside one of 10 rad/s is not where the load along it
-// is below a part in 1e5 of the squares over the times in which they ring (4 / (zeta omega), a ten-thousandth of the other's).
-TEST(TransientsOfALoad, FollowWhatItStrikes) {
-  const Eigen::Vector2d omega2(1e2, 1e10), damping(0.02 * 10.0, 0.02 * 1e5);
-  const auto step_after = [&](const Eigen::Vector2d& load) {
-    Transients transients;
-    transients.add(omega2, damping, Eigen::Matrix2d::Identity());
-    EXPECT_TRUE(std::isinf(transients.step()));
-    transients.begin(load);
-    return transients.step();
-  };
-  const double slow = 2.0 * std::numbers::pi / 10.0 / 12.0;
-  EXPECT_DOUBLE_EQ(step_after({1.0, 0.0}), slow);
-  EXPECT_DOUBLE_EQ(step_after({1.0, 0.3}), slow);         // 0.09e-4 < 1e-5
-  EXPECT_DOUBLE_EQ(step_after({1.0, 0.4}), 1e-4 * slow);  // 0.16e-4
-  EXPECT_DOUBLE_EQ(step_after({0.0, 1.0}), 1e-4 * slow);
-  // What still rings goes on where another mode is struck.
-  Transients transients;
-  transients.add(omega2, damping, Eigen::Matrix2d::Identity());
-  transients.begin(Eigen::Vector2d(0.0, 1.0));
-  transients.pass(1e-4);
-  transients.begin(Eigen::Vector2d(1.0, 0.0));
-  EXPECT_DOUBLE_EQ(transients.step(), 1e-4 * slow);
 }
 
 }  // namespace
