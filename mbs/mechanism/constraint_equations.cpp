@@ -16,7 +16,8 @@ void ConstraintEquations::follow(Level level, When when, MechanismScratch& work)
   m_.followed.evaluate(level, work.motion, work.signals, work.rows);
 }
 
-void ConstraintEquations::start_followed(State& s, MechanismScratch& work) const {
+void ConstraintEquations::start_followed(State& s, const std::vector<bool>& given_v,
+                                         MechanismScratch& work) const {
   move(s, s.p, work);
   for (const FollowedSignals::Follower& follower : m_.followed.followers()) {
     const RowPlace row = m_.rows.place_of_row(m_.rows.first_row(follower.constraint));
@@ -24,6 +25,17 @@ void ConstraintEquations::start_followed(State& s, MechanismScratch& work) const
     const JointPlace& joint = m_.tree.places[static_cast<std::size_t>(row.joint)];
     if (joint.in_tree())
       s.p(joint.i_p + row.driven) = work.rows.followed.of_constraints[follower.constraint].value;
+  }
+  // Its speed, too, as of drives by time: left at rest it would set off by a blow that the rest of the mechanism feels.
+  m_.kinematics.forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work.motion);
+  follow(Level::velocity, s, work);
+  for (const FollowedSignals::Follower& follower : m_.followed.followers()) {
+    const RowPlace row = m_.rows.place_of_row(m_.rows.first_row(follower.constraint));
+    if (row.driven < 0 || follower.what.level == DriveLevel::acceleration) continue;
+    const JointPlace& joint = m_.tree.places[static_cast<std::size_t>(row.joint)];
+    if (!joint.in_tree() || given_v[static_cast<std::size_t>(joint.i_v + row.driven)]) continue;
+    const Jet& y = work.rows.followed.of_constraints[follower.constraint];
+    s.v(joint.i_v + row.driven) = follower.what.level == DriveLevel::position ? y.first : y.value;
   }
 }
 

@@ -17,7 +17,7 @@ class ConstraintEquations {
   /// What all of them do first: positions and what rows follow.
   void move(When when, ConstVectorRef p, MechanismScratch& work) const;
   /// Coordinates in the tree where drives by states want them: where the assembly begins.
-  void start_followed(State& s, MechanismScratch& work) const;
+  void start_followed(State& s, const std::vector<bool>& given_v, MechanismScratch& work) const;
   void position(When when, ConstVectorRef p, MechanismScratch& work, VectorRef g) const;
   void velocity(When when, ConstVectorRef p, ConstVectorRef v, MechanismScratch& work, VectorRef g_dot) const;
   void both(When when, ConstVectorRef p, ConstVectorRef v, MechanismScratch& work, VectorRef g,

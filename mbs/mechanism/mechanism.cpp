@@ -61,15 +61,17 @@ MechanismScratch& Mechanism::observe(const State& s, Scratch& scratch) const {
   return work;
 }
 
-State Mechanism::initial_state() const {
+State Mechanism::initial_state(double t) const {
   State s;
+  s.t = t;
   s.p = m_->start.p;
   s.v = m_->start.v;
+  if (t != 0.0) m_->start.drive_at(t, s.p, s.v);
   m_->states.start(s, static_cast<int>(m_->rows.contacts().size()));
   s.lambda = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m_->rows.kept().size()));
   if (m_->followed.any()) {
     const auto scratch = make_scratch();
-    m_->constraints.start_followed(s, scratch_of(*scratch));
+    m_->constraints.start_followed(s, m_->start.given_v, scratch_of(*scratch));
   }
   if (!m_->rows.contacts().empty()) start_contacts(s, *make_scratch());
   return s;

@@ -107,7 +107,7 @@ class Mechanism final : public Equations {
   // ---- beyond it
   // -------------------------------------------------------------------------------------------------
   /// Initial values as the file gives them: a guess, to be assembled.
-  State initial_state() const;
+  State initial_state(double t = 0.0) const;
   /// Entries of p and v that the user gave: an assembly should rather move the others.
   const std::vector<bool>& given_positions() const;
   const std::vector<bool>& given_velocities() const;

@@ -55,6 +55,24 @@ StartValues::StartValues(const Topology& tree, const TreeMotion& kinematics, con
   coordinates.retract(given, Eigen::VectorXd::Zero(tree_.n_v), p);
 }
 
+void StartValues::drive_at(double t, Eigen::VectorXd& at_p, Eigen::VectorXd& at_v) const {
+  for (const int b : tree_.order) {
+    const JointDescription& joint = tree_.d.joints[tree_.bodies[b].joint];
+    const JointPlace& place = tree_.places[tree_.bodies[b].joint];
+    const auto put = [&](Eigen::VectorXd& to, const std::vector<bool>& given, int k, double value) {
+      if (!given[static_cast<std::size_t>(k)]) to[k] = value;
+    };
+    for (const auto& [index, motion] : joint.drives) {
+      if (!motion->reads().empty()) continue;
+      const Jet f = motion->time_derivatives(t);
+      put(at_p, given_p, place.i_p + index, f.value);
+      put(at_v, given_v, place.i_v + index, f.first);
+    }
+    for (const auto& [index, motion] : joint.speed_drives)
+      if (motion->reads().empty()) put(at_v, given_v, place.i_v + index, motion->evaluate(&t));
+  }
+}
+
 // A body that floats because its joint became a constraint starts where that joint, in its reference position and at rest,
 // would have put it.
 void StartValues::follow_split_joints() {

@@ -16,6 +16,9 @@ class StartValues {
   Eigen::VectorXd p, v;
   std::vector<bool> given_p, given_v;  ///< entries that the user gave
 
+  /// Puts what drives by time want at t in place of what they want at 0.
+  void drive_at(double t, Eigen::VectorXd& at_p, Eigen::VectorXd& at_v) const;
+
  private:
   void follow_split_joints();
   /// Sets the coordinates of b's joint so that the body stands at X_WB; `motion` knows the markers of the body before it.

@@ -32,8 +32,7 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
   if (!out.file.solver.has("method") && !out.file.solver.has("max_order") && has_deformation(*out.mechanism))
     out.options.method = "radau";
   out.options.method_is_open = !out.file.solver.has("method") && !out.file.solver.has("max_order");
-  out.state = out.mechanism->initial_state();
-  out.state.t = out.options.start_time;
+  out.state = out.mechanism->initial_state(out.options.start_time);
   GivenState given{out.mechanism->given_positions(), out.mechanism->given_velocities(), !state_file.empty()};
   if (given.whole) {
     const StateChange change = read_state(state_file, *out.mechanism, out.state);
