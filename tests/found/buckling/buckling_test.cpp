@@ -104,6 +104,14 @@ TEST_F(Buckling, LoadsThatAreNotThereYetAreNamed) {
   says(weight);
 }
 
+// A motor that follows a ramp: its state was left where it is at the start, nothing, and so nothing was said.
+TEST_F(Buckling, MotorsThatFollowARampAreNamed) {
+  const nlohmann::json run =
+      run_of(found / "actuator.toml", {"force.load.start=0", "force.load.command=-100*min(t,1)"});
+  EXPECT_TRUE(run["modes"].empty());
+  EXPECT_THAT(run["notes"].dump(), HasSubstr("\\\"load\\\" is nothing at t = 0 s"));
+}
+
 TEST_F(Buckling, WithoutLoadsThereIsNothingToScale) {
   const Outcome none = run("flexura", {"eigen", folder_.write("none.toml", bar(kSpring, "")), "--buckling"});
   EXPECT_EQ(none.exit_code, 2);
