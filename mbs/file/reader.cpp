@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "mbs/bodies/modal_basis.hpp"
 #include "mbs/file/bodies/read_body.hpp"
@@ -276,6 +277,19 @@ void Reader::note_user_element(const std::string& name, const Section& s) {
   if (s.has("library")) model_.blind_spots.push_back({"user_element", name, ""});
 }
 
+// The short bearing's pressure along the axis is a parabola; Reynolds' equation at small eccentricity, with the same round about,
+// gives 3 (1 - tanh(a) / a) / a^2 of its load, a = length / (2 radius).
+void Reader::note_long_bearing(const std::string& name, const Section& s) {
+  if (s.text("type") != "journal_bearing") return;
+  const double a = 0.5 * s.quantity("length") / s.quantity("radius");
+  if (a <= 0.5 * (1.0 + 1e-9)) return;
+  model_.notes.push_back(fmt::format(
+      "journal bearing \"{}\" is {:.3g} times as long as its radius: the theory of the short bearing, for "
+      "lengths "
+      "up to the radius, takes it for stiffer than it is; at small eccentricity it bears {:.2g} of the load",
+      name, 2.0 * a, 3.0 * (1.0 - std::tanh(a) / a) / (a * a)));
+}
+
 void Reader::read_joints() {
   const ReadContext names = context();
   MechanismDescription& d = model_.description;
@@ -333,6 +347,7 @@ void Reader::read_elements() {
   for (const auto& [name, s] : root_.table_map("force")) {
     d.forces.push_back(find_type(force_types(), s.text("type")).read(prefix_ + name, s, names));
     note_user_element(prefix_ + name, s);
+    note_long_bearing(prefix_ + name, s);
     if (const auto [body, load] = d.forces.back()->load_case(); body >= 0)
       d.bodies[body].is_loaded_by_case = true;
   }

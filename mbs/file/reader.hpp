@@ -56,6 +56,7 @@ class Reader {
   void read_body(const std::string& name, const input::Section& s);
   std::shared_ptr<const superelement::Superelement> load(const input::Section& s, const std::string& body);
   void note_user_element(const std::string& name, const input::Section& s);
+  void note_long_bearing(const std::string& name, const input::Section& s);
   ReadModel& model_;
   std::filesystem::path file_;
   const input::TableSchema& solver_;

@@ -36,6 +36,17 @@ std::shared_ptr<const BodyPath> read_path(const input::Section& section, const R
   if (markers.size() < 2)
     section.refuse("path", fmt::format("has {} marker{}", markers.size(), markers.size() == 1 ? "" : "s"),
                    "name two at least");
+  // Markers out of order: a smooth line through them loops back, which no rail does between two neighbours.
+  const std::vector<std::string> names = section.texts("path");
+  for (std::size_t i = 2; i < names.size(); ++i) {
+    const Vector3d before = undeformed[i - 1].p - undeformed[i - 2].p,
+                   behind = undeformed[i].p - undeformed[i - 1].p;
+    constexpr double kBack = -0.7;  // cosine: 135 deg
+    if (before.dot(behind) < kBack * before.norm() * behind.norm())
+      section.refuse(
+          "path", fmt::format("turns back at \"{}\"", names[i - 1]),
+          "name the markers in the order in which they are passed; round a sharp bend name some between");
+  }
   try {
     return std::make_shared<const BodyPath>(std::move(markers), undeformed);
   } catch (const std::invalid_argument& error) {

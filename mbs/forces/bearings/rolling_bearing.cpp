@@ -35,6 +35,10 @@ void check(const RollingGeometry& g) {
        "the rolling elements must be smaller than the pitch diameter");
   need(g.count * std::asin(g.diameter / g.pitch_diameter) <= std::numbers::pi,
        "so many rolling elements do not fit on the pitch diameter");
+  // Shrink fits of rings leave microns, some 0.5 % of a ball; Hertz' contacts are small beside what touches.
+  need(g.clearance >= -0.02 * g.diameter,
+       "the interference (negative clearance) is more than 2 % of a rolling element, far beyond what its "
+       "contacts bear");
   need(g.contact_angle >= 0.0 && g.contact_angle < 0.5 * std::numbers::pi,
        "the contact angle lies between 0 and 90 deg (excluded)");
   if (g.kind == RollingGeometry::Kind::roller) {

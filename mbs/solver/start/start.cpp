@@ -6,6 +6,8 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "mbs/solver/accuracy/mechanism_scales.hpp"
 #include "mbs/solver/algebra/accelerations.hpp"
@@ -101,6 +103,61 @@ void tell_strain(const StrainedLoops& strained, const std::vector<bool>& deforms
       out.mechanism->name_of_constraint(which)));
 }
 
+// Bearings and meshes are of shafts whose markers' z axes are parallel but for small tilts: one across was given another axis, one
+// opposite was turned round.  Said here, where both stand as the file has them; they may turn later.
+void require_parallel_axes(const Mechanism& m, const State& s) {
+  const MechanismDescription& d = m.description();
+  std::vector<Pose> poses;
+  for (const auto& force : d.forces) {
+    const std::string_view type = force->type();
+    if (type != "bearing" && type != "rolling_bearing" && type != "journal_bearing" &&
+        type != "involute_mesh")
+      continue;
+    if (poses.empty()) m.body_poses(s, *m.make_scratch(), poses);
+    const auto axis = [&](int marker) {
+      const MarkerDescription& of = d.markers[static_cast<std::size_t>(marker)];
+      return Vector3d(poses[static_cast<std::size_t>(of.body)].R * of.X_BP.R.col(2));
+    };
+    const auto [F, M] = force->markers();
+    const double cosine = axis(F).dot(axis(M));
+    if (cosine < 0.5)  // 60 deg: far beyond any tilt
+      throw AssemblyError(
+          fmt::format("force \"{}\": the z axes of its markers stand {:.4g} deg apart at the start, and they "
+                      "are those about which the "
+                      "shafts turn, side by side; turn one of the markers (axis)",
+                      force->name(), std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi));
+  }
+}
+
+// Forces along a line whose ends coincide: without a direction they do nothing, whatever they say.
+void tell_points(StartedMechanism& out) {
+  const Mechanism& m = *out.mechanism;
+  std::vector<std::string> names;
+  for (const auto& force : m.description().forces)
+    if (force->type() == "line_force" || force->type() == "spring_damper") names.push_back(force->name());
+  if (names.empty()) return;
+  const std::vector<OutputInfo> all = m.quantities();
+  const auto place = [&](const std::string& name) {
+    return static_cast<int>(std::ranges::find(all, name, &OutputInfo::name) - all.begin());
+  };
+  std::vector<int> which;
+  for (const std::string& name : names)
+    which.insert(which.end(), {place(name + ".length"), place(name + ".force")});
+  Eigen::VectorXd values(static_cast<Eigen::Index>(which.size()));
+  const auto scratch = m.make_scratch();
+  m.evaluate(which, out.state, out.v_dot, *scratch, values);
+  constexpr double kNoLength = 1e-12;  // [m] what round-off leaves of places that coincide
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(2 * k);
+    if (values(i) < kNoLength && values(i + 1) != 0.0)
+      out.notes.push_back(
+          fmt::format("{}force \"{}\" is {:.4g} N at the start, where its ends coincide: the line between "
+                      "them has no direction, and "
+                      "nothing acts; move one of its markers",
+                      warning_mark, names[k], values(i + 1)));
+  }
+}
+
 }  // namespace
 
 // Vibration that nothing excites bounds the steps of a multistep method, not those of Radau IIA: on the
@@ -120,6 +177,7 @@ void assemble_start(StartedMechanism& out, const GivenState& given) {
   keep.keep_velocity = given.velocities;
   const std::vector<bool> deforms = deformations_of(*out.mechanism, out.state);
   const std::optional<StrainedLoops> strained = close_loops(*out.mechanism, out.state, keep, out.assembly);
+  require_parallel_axes(*out.mechanism, out.state);
   if (out.mechanism->sizes().n_alg > 0 && !given.whole)
     out.mechanism->start_contacts(out.state, *out.mechanism->make_scratch());
   out.redundant = out.mechanism->drop_redundant(out.state, out.state.p);
@@ -150,6 +208,7 @@ void assemble_start(StartedMechanism& out, const GivenState& given) {
   if (strained) tell_strain(*strained, deforms, out);
   if (out.options.quasi_static_start && !given.whole)
     start_quasi_static(*out.mechanism, out.state, out.v_dot, keep);
+  tell_points(out);
   // The second assembly finds the loops closed; what it took is in the first report.
   out.assembly.iterations += positions.iterations;
   out.assembly.position_change += positions.position_change;

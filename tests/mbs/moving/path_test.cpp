@@ -218,6 +218,7 @@ TEST_F(Paths, RefuseWhatIsNone) {
   EXPECT_THAT(refusal(with(all, "[\"rod.a\"]")),
               AllOf(HasSubstr("constraint.slide.path"), HasSubstr("has 1 marker")));
   EXPECT_THAT(refusal(with(all, "[\"rod.a\", \"rod.a\"]")), HasSubstr("the same point twice"));
+  EXPECT_THAT(refusal(with(all, "[\"rod.a\", \"rod.c\", \"rod.b\"]")), HasSubstr("turns back at \"rod.c\""));
   EXPECT_THAT(refusal(with(all, "[\"rod.a\", \"rod.d\"]")), HasSubstr("has no marker \"d\""));
   EXPECT_THAT(refusal(with(all, "[\"rod.a\", \"ground\"]")),
               HasSubstr("\"ground\" is on another body than \"rod.a\""));
