@@ -18,6 +18,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kMostIterations = 50;
+/// Steps are told from round-off to 1e-13 of the deformation, or of this part of the scale of coordinates where there is none (a
+/// wire under tension that is held at both ends).
+constexpr double kNothing = 1e-3;
 
 class QuasiStaticStart {
  public:
@@ -99,9 +102,9 @@ class QuasiStaticStart {
     double before = std::numeric_limits<double>::infinity();
     for (int iteration = 1; iteration <= kMostIterations; ++iteration) {
       find_motion(s);
-      if (loads_change_ && iteration == 1) K_.compute(stiffness_with_loads(s));
+      if (loads_change_) K_.compute(stiffness_with_loads(s));
       find_step(s);
-      double change = 0.0, size = 0.0;
+      double change = 0.0, size = kNothing;
       for (std::size_t k = 0; k < elastic_.size(); ++k) {
         const Elastic& e = elastic_[k];
         const double scale = 1.0 / eq_.position_scale(e.i_p);
