@@ -71,6 +71,8 @@ struct MemberLoad {
   bool element_axes = true;  ///< false: components in B
 };
 Eigen::VectorXd load_vector(const BeamMesh& mesh, const std::vector<MemberLoad>& loads);
+/// What of them lies on the element, in its axes.
+LineLoad load_on(const MeshElement& record, const std::vector<MemberLoad>& loads);
 
 /// Resultants at places along a member: exact for nodal displacements u under end and line loads.
 struct MemberResult {

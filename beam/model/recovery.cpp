@@ -12,6 +12,14 @@ namespace flexura::beam {
 namespace {
 
 // The part of a member's load that falls on one element, in the element's axes.
+Vector12d element_displacements(const MeshElement& record, const Eigen::VectorXd& u) {
+  Vector12d nodal;
+  nodal << u.segment<6>(6 * record.node[0]), u.segment<6>(6 * record.node[1]);
+  return record.placement.transform() * nodal;
+}
+
+}  // namespace
+
 LineLoad load_on(const MeshElement& record, const std::vector<MemberLoad>& loads) {
   LineLoad total;
   for (const MemberLoad& member_load : loads) {
@@ -29,14 +37,6 @@ LineLoad load_on(const MeshElement& record, const std::vector<MemberLoad>& loads
   }
   return total;
 }
-
-Vector12d element_displacements(const MeshElement& record, const Eigen::VectorXd& u) {
-  Vector12d nodal;
-  nodal << u.segment<6>(6 * record.node[0]), u.segment<6>(6 * record.node[1]);
-  return record.placement.transform() * nodal;
-}
-
-}  // namespace
 
 Eigen::VectorXd load_vector(const BeamMesh& mesh, const std::vector<MemberLoad>& loads) {
   Eigen::VectorXd p = Eigen::VectorXd::Zero(mesh.n_dofs());

@@ -292,12 +292,16 @@ ModalData modal_data(const superelement::Superelement& se, const BasisOptions& o
 std::vector<BodyLoad> body_loads(const superelement::Superelement& se, const MatrixXd& Y) {
   const MatrixXd R = superelement::rigid_motions(se);
   std::vector<BodyLoad> out;
+  const bool stiffens = Y.size() > 0 && se.stiffening && !se.stiffening->K0p.empty();
   for (const superelement::LoadCase& load : se.load_cases) {
     const Eigen::Matrix<double, 6, 1> p = R.transpose() * load.p_se;  // translations, then rotations
     BodyLoad body{.name = load.name, .wrench = {p.tail<3>(), p.head<3>()}, .modal = {}, .moment = {}};
+    body.is_preload = load.is_preload;
+    if (load.is_preload) body.wrench = {};  // but for round-off
     if (Y.size() > 0) {
       body.modal = Y.transpose() * load.p_se;
       if (load.moment.size() > 0) body.moment = load.moment * Y;
+      if (stiffens) body.K0 = Y.transpose() * se.stiffening->K0p[out.size()] * Y;
     }
     out.push_back(std::move(body));
   }

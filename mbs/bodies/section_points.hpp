@@ -13,8 +13,8 @@ namespace flexura::mbs {
 /// m].
 using SectionForce = Eigen::Matrix<double, 6, 1>;
 
-/// Section forces of a beam part in motion, S(p) Y s, at places of which the whole history is wanted: each
-/// the nearest one that the superelement knows.
+/// Section forces of a beam part in motion, S(p) Y s and those of preloads times their factors (as in stress_field.hpp), at
+/// places of which the whole history is wanted: each the nearest one that the superelement knows.
 class SectionPoints {
  public:
   struct Point {
@@ -29,13 +29,16 @@ class SectionPoints {
   void add_point(const std::string& name, const Eigen::Vector3d& wanted);
   const std::vector<Point>& points() const { return points_; }
 
-  SectionForce at(int point, const double* s) const;
+  bool has_loads() const { return forces_.of_loads.size() > 0; }
+  /// `factors` of the load cases; may be null.
+  SectionForce at(int point, const double* s, const double* factors = nullptr) const;
 
  private:
   superelement::SectionForces forces_;
   Eigen::MatrixXd Y_;
   std::vector<Point> points_;
   std::vector<Eigen::MatrixXd> of_modes_;  // 6 x m each
+  std::vector<Eigen::MatrixXd> of_loads_;  // 6 x load cases each
 };
 
 }  // namespace flexura::mbs

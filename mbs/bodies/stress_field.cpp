@@ -40,12 +40,24 @@ void StressField::add_point(const std::string& name, const Eigen::Vector3d& want
   points_.push_back(std::move(point));
 }
 
-Stress StressField::at(int place, const double* s) const {
-  return S_.middleRows(6 * place, 6) * Eigen::Map<const Eigen::VectorXd>(s, S_.cols());
+void StressField::set_loads(Eigen::MatrixXd of_loads) {
+  if (of_loads.size() > 0 && of_loads.rows() != S_.rows())
+    throw std::invalid_argument("the stresses of preloads do not fit the places of the stress modes");
+  of_loads_ = std::move(of_loads);
 }
 
-StressField::Largest StressField::largest(const double* s) const {
-  const Eigen::VectorXd sigma = S_ * Eigen::Map<const Eigen::VectorXd>(s, S_.cols());
+Stress StressField::at(int place, const double* s, const double* factors) const {
+  Stress sigma = S_.middleRows(6 * place, 6) * Eigen::Map<const Eigen::VectorXd>(s, S_.cols());
+  if (factors && has_loads())
+    sigma +=
+        of_loads_.middleRows(6 * place, 6) * Eigen::Map<const Eigen::VectorXd>(factors, of_loads_.cols());
+  return sigma;
+}
+
+StressField::Largest StressField::largest(const double* s, const double* factors) const {
+  Eigen::VectorXd sigma = S_ * Eigen::Map<const Eigen::VectorXd>(s, S_.cols());
+  if (factors && has_loads())
+    sigma += of_loads_ * Eigen::Map<const Eigen::VectorXd>(factors, of_loads_.cols());
   Largest out;
   for (int k = 0; k < places(); ++k)
     if (const double value = von_mises(sigma.segment<6>(6 * k)); value > out.von_mises) out = {value, k};

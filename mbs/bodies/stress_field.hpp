@@ -7,10 +7,11 @@
 
 /// Stresses of a flexible body in motion, from stress modes (theory: UM 11.1.3):
 ///
-///     sigma(v, t) = S(v) Y s(t)
+///     sigma(v, t) = S(v) Y s(t) + sum_i S_i(v) f_i(t)
 ///
 /// with the superelement's stress modes S at the places v and the basis Y: O(m) for one place, whatever the
-/// mesh.  What the body does not show at its interfaces and modes (loads inside, fast waves) it has no stress
+/// mesh.  S_i is the stress of load case i on the body with all its nodes held (of a preload; of others it is zero), f_i the
+/// case's factor.  What the body does not show at its interfaces and modes (loads inside, fast waves) it has no stress
 /// of; with response modes for the loads in use the static part is the superelement's.
 namespace flexura::mbs {
 
@@ -51,13 +52,21 @@ class StressField {
   void set_compliance(std::vector<Eigen::Matrix<double, 6, 6>> compliance, std::vector<int> material);
   bool has_strain() const { return !compliance_.empty(); }
 
-  Stress at(int place, const double* s) const;
-  Strain strain_at(int place, const double* s) const { return compliance_[material_[place]] * at(place, s); }
+  /// 6 n_s x load cases; `factors` below are theirs.  Throws std::invalid_argument where the rows do not fit.
+  void set_loads(Eigen::MatrixXd of_loads);
+  bool has_loads() const { return of_loads_.size() > 0; }
+
+  Stress at(int place, const double* s, const double* factors = nullptr) const;
+  /// The elastic strain, of which the stress is; a preload's own strain is not in it.
+  Strain strain_at(int place, const double* s, const double* factors = nullptr) const {
+    return compliance_[material_[place]] * at(place, s, factors);
+  }
   /// Over all places.
-  Largest largest(const double* s) const;
+  Largest largest(const double* s, const double* factors = nullptr) const;
 
  private:
-  Eigen::MatrixXd S_;   // 6 n_s x m
+  Eigen::MatrixXd S_;  // 6 n_s x m
+  Eigen::MatrixXd of_loads_;
   Eigen::Matrix3Xd x_;  // 3 x n_s
   std::vector<int> vertices_;
   std::vector<Eigen::Matrix<double, 6, 6>> compliance_;

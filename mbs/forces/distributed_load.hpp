@@ -30,6 +30,8 @@ class DistributedLoad final : public ForceElement {
     const Vector6d wrench = factor * load.wrench_at(kin.bodies[body_].s).vector();
     loads.apply(frame_, kin.markers[frame_].X_WP.R * Spatial::from(wrench));
     if (load.modal.size() > 0) loads.apply_modal(body_, load.modal, factor);
+    if (const Eigen::VectorXd more = load.stiffening_at(kin.bodies[body_].s); more.size() > 0)
+      loads.apply_modal(body_, more, factor);
   }
   bool has_derivatives() const override { return true; }
   void differentiate(const Kinematics& kin, const double* signals, Derivatives& d) const override {
@@ -42,15 +44,28 @@ class DistributedLoad final : public ForceElement {
     for (int i = 0; s && i < load.moment.cols(); ++i)
       d.by_deformation(body_, i, factor * Spatial{load.moment.col(i), Vector3d::Zero()}.vector());
     if (!s) return;
-    d.modal(body_, load.modal);
+    if (load.K0.size() == 0) {
+      d.modal(body_, load.modal);
+      d.by_formula(*factor_, signals);
+      return;
+    }
+    d.modal(body_, load.modal + load.stiffening_at(s));
     d.by_formula(*factor_, signals);
+    for (Eigen::Index i = 0; factor != 0.0 && i < load.K0.cols(); ++i) {
+      d.modal(body_, load.K0.col(i));
+      d.by_deformation(body_, static_cast<int>(i), -factor * Vector6d::Unit(0));
+    }
   }
   void add_powers(const Kinematics& kin, const double* signals, Powers& powers) const override {
     const BodyLoad& load = of(kin);
     const BodyState& body = kin.bodies[body_];
     const MarkerState& frame = kin.markers[frame_];
     double power = (frame.X_WP.R * load.wrench_at(body.s)).dot(frame.V);
-    if (body.s_dot) power += load.modal.dot(Eigen::Map<const Eigen::VectorXd>(body.s_dot, load.modal.size()));
+    if (body.s_dot) {
+      const Eigen::Map<const Eigen::VectorXd> s_dot(body.s_dot, load.modal.size());
+      power += load.modal.dot(s_dot);
+      if (load.K0.size() > 0) power += load.stiffening_at(body.s).dot(s_dot);
+    }
     powers.input += factor(signals) * power;
   }
   std::vector<OutputInfo> outputs() const override {

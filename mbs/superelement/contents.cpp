@@ -11,7 +11,7 @@ namespace flexura::superelement {
 namespace {
 
 Contents read_contents(const std::filesystem::path& path) {
-  Contents out{read(path, {.matrices = false, .inertia = false}), {}};
+  Contents out{read(path, {.matrices = false, .inertia = false}), {}, false};
   const hdf5::File file(path, hdf5::Mode::read);
   const hdf5::Group root = file.root();
   const auto size = [&](const std::string& part) {
@@ -27,6 +27,7 @@ Contents read_contents(const std::filesystem::path& path) {
   };
   out.bytes = {size("matrices"), size("inertia"), size("stiffening"),
                size("surface"),  size("shapes"),  size("stress")};
+  out.stiffening_of_loads = root.has("stiffening") && root.group("stiffening").has("K0p");
   return out;
 }
 

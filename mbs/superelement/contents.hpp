@@ -16,6 +16,7 @@ struct PartSizes {
 struct Contents {
   Superelement header;
   PartSizes bytes;
+  bool stiffening_of_loads = false;  ///< its stiffening terms have those of the load cases
 };
 
 /// Throws what read() throws.  Read once as long as the file stays as it is (its size and the time it was written): scenes

@@ -56,7 +56,10 @@ std::string header_text(const Superelement& se) {
           std::vector<double>(row.begin(), row.end());
     }
   }
-  for (const LoadCase& load : se.load_cases) header["load_cases"].push_back(load.name);
+  for (const LoadCase& load : se.load_cases) {
+    header["load_cases"].push_back(load.name);
+    if (load.is_preload) header["preloads"].push_back(load.name);
+  }
   // Names may hold bytes that are no UTF-8; they come back as replacement characters instead of failing the
   // write.
   return header.dump(1, ' ', false, json::error_handler_t::replace);
@@ -102,6 +105,10 @@ void read_header(const std::string& text, const std::string& label, Superelement
       se.interfaces.push_back(std::move(interface));
     }
     for (const json& name : header.at("load_cases")) se.load_cases.push_back({name.get<std::string>(), {}});
+    if (header.contains("preloads"))
+      for (const json& name : header.at("preloads"))
+        for (LoadCase& load : se.load_cases)
+          if (load.name == name.get<std::string>()) load.is_preload = true;
   } catch (const json::exception&) {
     throw hdf5::BadFile(label + ": cannot be understood; the file is damaged, make it again");
   }
@@ -225,6 +232,8 @@ void write_stiffening(Group root, const Superelement& se) {
               "(p, k, l): for unit omega_a omega_b, p = xx, yy, zz, xy, yz, zx");
   write_stack(group, "K0F", terms.K0F, se.n(), "as K_se, per N or N m",
               "(i, k, l): for a unit load on interface dof i");
+  if (!terms.K0p.empty())
+    write_stack(group, "K0p", terms.K0p, se.n(), "as K_se", "(i, k, l): for load case i");
 }
 
 void read_stiffening(const Group& root, Superelement& se) {
@@ -236,6 +245,9 @@ void read_stiffening(const Group& root, Superelement& se) {
   read_stack(group, "K0r", terms.K0r, se.n());
   read_stack(group, "K0omega", terms.K0omega, se.n());
   read_stack(group, "K0F", terms.K0F, se.n());
+  if (!group.has("K0p")) return;
+  terms.K0p.resize(se.load_cases.size());
+  read_stack(group, "K0p", terms.K0p, se.n());
 }
 
 void write_surface(Group root, const Surface& surface) {

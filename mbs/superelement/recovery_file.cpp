@@ -11,6 +11,23 @@ using hdf5::Group;
 using hdf5::Shape;
 using RowMajorXf = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+namespace {
+
+void write_of_loads(Group& group, const Eigen::MatrixXd& of_loads, const std::string& unit) {
+  if (of_loads.size() > 0)
+    hdf5::write_matrix(
+        group, "of_loads", of_loads.transpose(), unit,
+        "row i: what load case i adds itself, as a preload does, places and components as above");
+}
+
+Eigen::MatrixXd read_of_loads(const Group& group, const Superelement& se, Eigen::Index rows) {
+  if (!group.has("of_loads")) return {};
+  return hdf5::read_matrix(group, "of_loads", static_cast<Eigen::Index>(se.load_cases.size()), rows)
+      .transpose();
+}
+
+}  // namespace
+
 void write_stress(Group root, const StressModes& stress) {
   Group group = root.create_group("stress");
   group.write("vertices", {stress.vertices.size()}, stress.vertices.data(), "",
@@ -25,6 +42,7 @@ void write_stress(Group root, const StressModes& stress) {
     write_rows(group, "modes", by_shape, "Pa per dof", doc + ", float32");
   }
   group.set("precision", stress.double_precision ? "float64" : "float32");
+  write_of_loads(group, stress.of_loads, "Pa");
   if (stress.compliance.empty()) return;
   Eigen::MatrixXd compliance(6 * static_cast<Eigen::Index>(stress.compliance.size()), 6);
   for (std::size_t k = 0; k < stress.compliance.size(); ++k)
@@ -68,6 +86,7 @@ void read_stress(const Group& root, Superelement& se) {
   group.read("vertices", places, stress.vertices.data());
   read_compliance(group, stress);
   const Eigen::Index width = 6 * static_cast<Eigen::Index>(places[0]);
+  stress.of_loads = read_of_loads(group, se, width);
   if (stress.double_precision) {
     stress.S = hdf5::read_matrix(group, "modes", se.n(), width).transpose();
     return;
@@ -91,6 +110,7 @@ void write_sections(Group root, const SectionForces& sections) {
       sections.S.transpose();
   write_rows(group, "forces", by_shape, "N, N m per dof",
              "(k, 6 p + c): section force of shape k at place p, c = N, V_y, V_z, T, M_y, M_z");
+  write_of_loads(group, sections.of_loads, "N, N m");
 }
 
 void read_sections(const Group& root, Superelement& se) {
@@ -109,6 +129,7 @@ void read_sections(const Group& root, Superelement& se) {
   sections.member.resize(n_p);
   group.read("member", {n_p}, sections.member.data());
   sections.S = hdf5::read_matrix(group, "forces", se.n(), 6 * sections.positions.rows()).transpose();
+  sections.of_loads = read_of_loads(group, se, 6 * sections.positions.rows());
 }
 
 }  // namespace flexura::superelement

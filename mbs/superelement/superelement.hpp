@@ -70,7 +70,8 @@ struct StiffeningTerms {
   std::array<Eigen::MatrixXd, 3> K0r;  ///< for unit angular acceleration about x, y, z [rad/s^2]
   std::array<Eigen::MatrixXd, 6>
       K0omega;  ///< for unit omega_a omega_b, (a, b) = xx, yy, zz, xy, yz, zx [rad^2/s^2]
-  std::vector<Eigen::MatrixXd> K0F;  ///< for a unit load on each interface dof [N or N m]
+  std::vector<Eigen::MatrixXd> K0F;       ///< for a unit load on each interface dof [N or N m]
+  std::vector<Eigen::MatrixXd> K0p = {};  ///< for each load case; empty where they are not known
 };
 
 /// Stress modes: the nodal stresses of every shape at vertices of the surface, so that at run time
@@ -87,6 +88,8 @@ struct StressModes {
   std::vector<Eigen::Matrix<double, 6, 6>> compliance = {};
   std::vector<std::int32_t> material = {};  ///< n_s: index of each place's compliance
   bool double_precision = false;            ///< of the file; float32 otherwise
+  /// 6 n_s x load cases [Pa]: what preloads among them add, the stress of the body with every node held; empty: nothing.
+  Eigen::MatrixXd of_loads = {};
 };
 
 /// Section forces of every shape at places along the members of a beam part, so that at run time
@@ -104,6 +107,7 @@ struct SectionForces {
   Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> axes;
   Eigen::MatrixXd
       S;  ///< 6 n_p x n [N, N m per unit of the shape]: N, V_y, V_z, T, M_y, M_z of place 0, then 1
+  Eigen::MatrixXd of_loads = {};  ///< 6 n_p x load cases: as of StressModes
 };
 
 /// Vectors p_se = T^T p of load cases kept for run time (gravity needs none: it follows from the integrals).
@@ -113,6 +117,7 @@ struct LoadCase {
   /// 3 x n [N m per unit of the shape]: torque of the load about Bo by the displacement of what it acts on,
   /// sum of phi_k x p; empty where it is not known.
   Eigen::Matrix3Xd moment = {};
+  bool is_preload = false;  ///< its forces hold each other in balance
 };
 
 struct Superelement {

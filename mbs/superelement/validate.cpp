@@ -289,6 +289,9 @@ class Check {
   void stress(const StressModes& stress, bool with_surface) const {
     const auto n_s = static_cast<Eigen::Index>(stress.vertices.size());
     sized_and_finite("the stress modes", stress.S, 6 * n_s, se_.n());
+    if (stress.of_loads.size() > 0)
+      sized_and_finite("the stresses of preloads", stress.of_loads, 6 * n_s,
+                       static_cast<Eigen::Index>(se_.load_cases.size()));
     std::int32_t last = -1;
     if (!stress.compliance.empty()) {
       for (const auto& C : stress.compliance) sized_and_finite("the compliance", C, 6, 6);
@@ -312,6 +315,9 @@ class Check {
     sized_and_finite("the positions of the section forces", sections.positions, n_p, 3);
     sized_and_finite("the axes of the section forces", sections.axes, n_p, 9);
     sized_and_finite("the section forces", sections.S, 6 * n_p, se_.n());
+    if (sections.of_loads.size() > 0)
+      sized_and_finite("the section forces of preloads", sections.of_loads, 6 * n_p,
+                       static_cast<Eigen::Index>(se_.load_cases.size()));
     for (const std::int32_t member : sections.member) {
       if (member < 0 || member >= static_cast<std::int32_t>(sections.members.size())) {
         refuse(
@@ -387,6 +393,10 @@ void validate_parts(const Superelement& se, const Parts& present) {
       check.refuse(fmt::format("K0F has {} matrices, one for each of the {} interface dofs is wanted",
                                se.stiffening->K0F.size(), se.n_b));
     }
+    for (const auto& K : se.stiffening->K0p) check.sized_and_finite("K0p", K, n, n);
+    if (!se.stiffening->K0p.empty() && se.stiffening->K0p.size() != se.load_cases.size())
+      check.refuse(fmt::format("K0p has {} matrices, one for each of the {} load cases is wanted",
+                               se.stiffening->K0p.size(), se.load_cases.size()));
   }
   if (present.surface) check.surface(se.surface);
   if (present.shapes && se.shapes.size() > 0) {

@@ -326,7 +326,11 @@ Pictures read_pictures(const results::ModelHeader& model, const std::filesystem:
       superelement::Parts parts;
       parts.matrices = parts.inertia = false;
       parts.surface = parts.shapes = parts.stress = parts.sections = true;
-      se = std::make_shared<const Superelement>(superelement::read(path, parts));
+      Superelement read = superelement::read(path, parts);
+      // Factors of preloads are not kept beside the motion, so that the stresses would lack those.
+      if (read.stress && read.stress->of_loads.size() > 0) read.stress.reset();
+      if (read.sections && read.sections->of_loads.size() > 0) read.sections.reset();
+      se = std::make_shared<const Superelement>(std::move(read));
     }
     pictures[body.name] = se;
   }

@@ -122,8 +122,8 @@ void print_statics(const BeamPartInput& part, const std::vector<std::string>& he
     Rows resultants;
     for (std::size_t m = 0; m < part.model.members.size(); ++m) {
       nlohmann::json rows = nlohmann::json::array();
-      for (const beam::MemberResult& r :
-           beam::member_results(mesh, static_cast<int>(m), u, places, load.members)) {
+      for (beam::MemberResult& r : beam::member_results(mesh, static_cast<int>(m), u, places, load.members)) {
+        r.resultants(beam::N) += preload_of(load, static_cast<int>(m));
         const std::vector<beam::PointStress> stresses =
             beam::section_stresses(mesh, static_cast<int>(m), r.x, r.resultants);
         const auto greatest =

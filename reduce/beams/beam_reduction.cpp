@@ -8,6 +8,7 @@
 #include "reduce/assembly/rigid_projection.hpp"
 #include "reduce/beams/beam_stiffening.hpp"
 #include "reduce/cms/errors/mode_choice.hpp"
+#include "reduce/cms/shapes/response_modes.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
 #include "reduce/linalg/eigen/eigensolver.hpp"
@@ -18,6 +19,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 // The rigid motions (about Bo) of the boundary and of the interior dofs; coordinates of attached solids' own
 // deformation have no part in them.
@@ -79,7 +81,7 @@ std::optional<BeamInterface> body_interface(const Structure& structure,
 }
 
 BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInterface>& interfaces,
-                           const ReductionOptions& options) {
+                           const ReductionOptions& options, const std::vector<LoadCase>& cases) {
   const beam::BeamMesh& mesh = structure.mesh();
   BeamReduction result;
   Reduction& reduction = result.reduction;
@@ -110,7 +112,9 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
 
   linalg::EigenPairs pairs;
   pairs.Phi.resize(n_i, 0);
-  if (options.n_modes > 0 || options.omega_max > 0.0) {
+  const bool preloaded =
+      n_i > 0 && std::ranges::any_of(cases, [](const LoadCase& c) { return !c.preloads.empty(); });
+  if (options.n_modes > 0 || options.omega_max > 0.0 || preloaded) {
     bool massless = true;
     for (int i = 0; i < n_i && massless; ++i) massless = !(M.ii->diagonal(i) > 0.0);
     if (massless)
@@ -126,9 +130,23 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
     };
     const linalg::EigenRequest request{std::min(options.n_modes, n_i), options.omega_max * options.omega_max,
                                        options.tolerance};
-    pairs = options.eigensolver == Eigensolver::krylov_schur
-                ? linalg::krylov_schur(problem, request, options.progress)
-                : linalg::block_lanczos(problem, request, options.progress);
+    if (options.n_modes > 0 || options.omega_max > 0.0)
+      pairs = options.eigensolver == Eigensolver::krylov_schur
+                  ? linalg::krylov_schur(problem, request, options.progress)
+                  : linalg::block_lanczos(problem, request, options.progress);
+    if (preloaded) {
+      ExtraShapes answers{MatrixXd(n_i, 0), {}};
+      for (const LoadCase& load : cases) {
+        if (load.preloads.empty()) continue;
+        const VectorXd p = load_vector(structure, load);
+        answers.X.conservativeResize(Eigen::NoChange, answers.X.cols() + 1);
+        answers.X.rightCols<1>() = solve_refined(factor, *K.ii, MatrixXd(p(numbering.dof_of)));
+        answers.names.push_back("static answer to load " + load.name);
+      }
+      const Index n_normal = pairs.omega2.size();
+      append_shapes(problem, pairs, answers);
+      report.n_extra = static_cast<int>(pairs.omega2.size() - n_normal);
+    }
   }
   if (!Psi.allFinite() || !pairs.Phi.allFinite())
     throw std::runtime_error("the modes of the beam part hold a number that is not finite");
@@ -190,7 +208,7 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
   report.seconds_projection = watch.lap();
 
   if (options.stiffening) {
-    reduction.stiffening = beam_stiffening_terms(structure, interfaces, T);
+    reduction.stiffening = beam_stiffening_terms(structure, interfaces, T, cases);
     report.seconds_stiffening = watch.lap();
   }
   if (options.estimate_error) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "reduce/beams/numbering.hpp"
+#include "reduce/beams/statics.hpp"
 #include "reduce/cms/craig_bampton.hpp"
 
 /// Craig-Bampton reduction of a structure of beams, with solids or without (craig_bampton.hpp has the
@@ -22,6 +23,7 @@ struct BeamReduction {
 };
 
 /// Reduces the structure.  `options.shape_nodes` is not used; shapes are given at the structure's picture.
+/// The static answers to preloads among `cases` become shapes, too; with stiffening all of them have their terms.
 /// Needs a linalg::Session.  Throws std::invalid_argument for no interface, an interface at a node twice or
 /// that does not exist, interfaces that leave a motion free (names the node and direction where it shows),
 /// beams without mass where modes are wanted; std::runtime_error when a computation fails.
@@ -32,6 +34,6 @@ std::optional<BeamInterface> body_interface(const Structure& structure,
                                             const std::vector<BeamInterface>& interfaces);
 
 BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInterface>& interfaces,
-                           const ReductionOptions& options);
+                           const ReductionOptions& options, const std::vector<LoadCase>& cases = {});
 
 }  // namespace flexura::reduce

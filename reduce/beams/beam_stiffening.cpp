@@ -128,7 +128,8 @@ std::array<Station, 4> stations(const beam::Element& element) {
 }  // namespace
 
 StiffeningTerms beam_stiffening_terms(const Structure& structure,
-                                      const std::vector<BeamInterface>& interfaces, const MatrixXd& T) {
+                                      const std::vector<BeamInterface>& interfaces, const MatrixXd& T,
+                                      const std::vector<LoadCase>& cases) {
   if (!structure.solids().empty())
     throw std::invalid_argument(
         "geometric stiffening is asked for of a beam part with solids, of which only the beams would "
@@ -152,7 +153,9 @@ StiffeningTerms beam_stiffening_terms(const Structure& structure,
       dof_of_load.push_back(held ? -1 : 6 * interface.node + direction);
     }
 
-  const Index n_loads = kInertiaLoads + static_cast<Index>(dof_of_load.size());
+  const auto n_interface = static_cast<Index>(dof_of_load.size());
+  const Index first_case = kInertiaLoads + n_interface,
+              n_loads = first_case + static_cast<Index>(cases.size());
   std::vector<std::array<InertiaLoads, 2>> line(mesh.elements().size());
   MatrixXd P = MatrixXd::Zero(structure.n_dofs(), n_loads);
   for (std::size_t e = 0; e < mesh.elements().size(); ++e) {
@@ -176,6 +179,9 @@ StiffeningTerms beam_stiffening_terms(const Structure& structure,
   }
   for (std::size_t b = 0; b < dof_of_load.size(); ++b)
     if (dof_of_load[b] >= 0) P(dof_of_load[b], kInertiaLoads + static_cast<Index>(b)) = 1.0;
+
+  for (Index k = first_case; k < n_loads; ++k)
+    P.col(k) = load_vector(structure, cases[static_cast<std::size_t>(k - first_case)]);
 
   const Numbering numbering(structure, {*holds});
   const SplitMatrix K(structure.stiffness(), numbering);
@@ -202,9 +208,14 @@ StiffeningTerms beam_stiffening_terms(const Structure& structure,
       slopes.row(2) *= std::sqrt(r2);
       const MatrixXd unit = at.weight * (slopes.transpose() * slopes);
       for (Index k = 0; k < n_loads; ++k) {
-        if (k >= kInertiaLoads && dof_of_load[k - kInertiaLoads] < 0) continue;
-        const beam::LineLoad along = k < kInertiaLoads ? line_load(line[e], k) : beam::LineLoad{};
-        const double N = element.section_forces(at.x, q.col(k), along)(beam::N);
+        const bool is_case = k >= first_case;
+        if (k >= kInertiaLoads && !is_case && dof_of_load[k - kInertiaLoads] < 0) continue;
+        const LoadCase* load = is_case ? &cases[static_cast<std::size_t>(k - first_case)] : nullptr;
+        const beam::LineLoad along = k < kInertiaLoads ? line_load(line[e], k)
+                                     : load            ? beam::load_on(record, load->members)
+                                                       : beam::LineLoad{};
+        double N = element.section_forces(at.x, q.col(k), along)(beam::N);
+        if (load) N += preload_of(*load, record.member);
         if (N != 0.0) K_0[k] += N * unit;
       }
     }
@@ -212,7 +223,8 @@ StiffeningTerms beam_stiffening_terms(const Structure& structure,
   for (int a = 0; a < 3; ++a) terms.K0t[a] = std::move(K_0[a]);
   for (int a = 0; a < 3; ++a) terms.K0r[a] = std::move(K_0[3 + a]);
   for (int k = 0; k < 6; ++k) terms.K0omega[k] = std::move(K_0[6 + k]);
-  for (Index k = kInertiaLoads; k < n_loads; ++k) terms.K0F.push_back(std::move(K_0[k]));
+  for (Index k = kInertiaLoads; k < first_case; ++k) terms.K0F.push_back(std::move(K_0[k]));
+  for (Index k = first_case; k < n_loads; ++k) terms.K0p.push_back(std::move(K_0[k]));
   return terms;
 }
 

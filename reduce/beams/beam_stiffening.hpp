@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "reduce/beams/numbering.hpp"
+#include "reduce/beams/statics.hpp"
 #include "reduce/recovery/stiffening.hpp"
 
 /// Geometric stiffening of a structure of beams, as reduce/recovery/stiffening.hpp for solids: for the axial
@@ -21,6 +22,7 @@ namespace flexura::reduce {
 /// that keeps all six directions.  Throws std::invalid_argument where there is none, and for a structure with
 /// solids.
 StiffeningTerms beam_stiffening_terms(const Structure& structure,
-                                      const std::vector<BeamInterface>& interfaces, const Eigen::MatrixXd& T);
+                                      const std::vector<BeamInterface>& interfaces, const Eigen::MatrixXd& T,
+                                      const std::vector<LoadCase>& cases = {});
 
 }  // namespace flexura::reduce

@@ -14,7 +14,11 @@ struct LoadCase {
   std::vector<std::pair<int, beam::Vector6d>>
       nodal;  ///< node of the beam model; force and moment in B [N, N m]
   std::vector<beam::MemberLoad> members;
+  std::vector<std::pair<int, double>> preloads;  ///< member, and its tension with both ends held [N]
 };
+
+/// The tension that the case's preloads give a member with its ends held [N].
+double preload_of(const LoadCase& loads, int member);
 
 /// Nodal loads (n_dofs) of a case: with those of line loads the nodal displacements of any mesh are exact.
 Eigen::VectorXd load_vector(const Structure& structure, const LoadCase& loads);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -227,8 +228,11 @@ class ReductionStages {
 
   void stiffen() {
     if (!options_.stiffening) return;
+    std::vector<StressingLoad> loads;
+    for (const LoadField& load : options_.loads)
+      loads.push_back({nodal_forces(model_.m(), model_.n_nodes(), load), load.strain});
     reduction_.stiffening =
-        stiffening_terms(here_, *solver_, constraint_.Psi, constraint_.K_bb, T_, options_.progress);
+        stiffening_terms(here_, *solver_, constraint_.Psi, constraint_.K_bb, T_, loads, options_.progress);
     report_.seconds_stiffening = watch_.lap();
   }
 
@@ -277,6 +281,7 @@ class ReductionStages {
     project_loads(here_, model_, T_, options_, reduction_);
     if (!wants_stress_) return;
     reduction_.stress_modes = stress_modes(whole_, part_, model_, basis_, T_, options_);
+    reduction_.stress_of_loads = stress_of_preloads(part_, options_);
     report_.seconds_stress = watch_.lap();
     if (!reduction_.mesh) return;
     const double before = linalg::processor_seconds();
@@ -362,7 +367,10 @@ Reduction craig_bampton(const Part& whole, const PartShare& share, const Reducti
 }
 
 Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
-  if (options.team && options.set != ModeSet::craig_chang && !has_elastic_ties(whole))
+  // Strains of preloads are not handed out.
+  const bool preloaded =
+      std::ranges::any_of(options.loads, [](const LoadField& l) { return l.strain.rows() > 0; });
+  if (options.team && options.set != ModeSet::craig_chang && !has_elastic_ties(whole) && !preloaded)
     return lead_reduction(whole, options);
   Reduction reduction;
   std::optional<Part> stiff;

@@ -124,4 +124,17 @@ MatrixXd stress_modes(const Part& whole, const Part& part, const TiedModel& mode
   return nodal_stress_modes(part, T, options.stress_nodes, rotations, rotation_of);
 }
 
+MatrixXd stress_of_preloads(const Part& part, const ReductionOptions& options) {
+  MatrixXd out;
+  for (std::size_t k = 0; k < options.loads.size(); ++k) {
+    const CellStrains& strain = options.loads[k].strain;
+    if (strain.rows() == 0) continue;
+    if (out.size() == 0)
+      out.setZero(6 * static_cast<Index>(options.stress_nodes.size()),
+                  static_cast<Index>(options.loads.size()));
+    out.col(static_cast<Index>(k)) = nodal_initial_stress(part, strain, options.stress_nodes);
+  }
+  return out;
+}
+
 }  // namespace flexura::reduce

@@ -29,4 +29,7 @@ void project_loads(const Part& part, const TiedModel& model, const Eigen::Matrix
 Eigen::MatrixXd stress_modes(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis,
                              const Eigen::MatrixXd& T, const ReductionOptions& options);
 
+/// 6 n_s x loads: what preloads among the options' loads add there; empty where none is one.
+Eigen::MatrixXd stress_of_preloads(const Part& part, const ReductionOptions& options);
+
 }  // namespace flexura::reduce

@@ -152,7 +152,16 @@ BeamPartInput read_beam_part(const std::filesystem::path& file, const std::vecto
   if (in.has("load")) {
     Names members{"member", {}};
     for (const beam::Member& member : model.members) members.known.push_back(member.name);
-    for (const auto& [name, l] : in.table_map("load")) read_load(name, l, nodes, members, part.cases);
+    for (const auto& [name, l] : in.table_map("load")) {
+      read_load(name, l, nodes, members, part.cases);
+      if (!l.has("preload")) continue;
+      const beam::Member& member =
+          model.members[static_cast<std::size_t>(members.find(l, "member", l.text("member")))];
+      if (member.end[0].released[0] || member.end[1].released[0])
+        l.refuse("preload",
+                 fmt::format("pulls on member \"{}\", an end of which slides along it", member.name),
+                 "take u out of the end's releases");
+    }
   }
   if (in.has("interface"))
     for (const auto& [name, i] : in.table_map("interface")) {

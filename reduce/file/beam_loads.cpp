@@ -42,6 +42,10 @@ input::TableSchema load_schema() {
                      "at the second end, linear between; default: as at the first"),
       input::vector3("line_moment_2", kLineMoment,
                      "at the second end, linear between; default: as at the first"),
+      input::quantity("preload", dim::force,
+                      "of the member: the tension that it has with both ends held, as it is too short for "
+                      "its place (below zero: too "
+                      "long). The structure gives way and takes a part of it"),
       input::choice("axes", {"part", "member"}, "axes of what is spread along a member").or_default("part"),
   };
   return s;
@@ -55,11 +59,11 @@ void read_load(const std::string& name, const Section& in, const Names& nodes, c
   for (const char* key : {"force", "moment"})
     if (!on_node && in.has(key))
       in.refuse(key, "is for nodes", "along a member write line_force or line_moment");
-  for (const char* key : {"line_force", "line_moment", "line_force_2", "line_moment_2"})
+  for (const char* key : {"line_force", "line_moment", "line_force_2", "line_moment_2", "preload"})
     if (on_node && in.has(key)) in.refuse(key, "is for members", "on a node write force or moment");
   const std::string wanted = in.has("case") ? in.text("case") : name;
   auto at = std::find_if(cases.begin(), cases.end(), [&](const LoadCase& c) { return c.name == wanted; });
-  if (at == cases.end()) at = cases.insert(cases.end(), LoadCase{wanted, {}, {}});
+  if (at == cases.end()) at = cases.insert(cases.end(), LoadCase{wanted, {}, {}, {}});
   if (on_node) {
     const int node = nodes.find(in, "node", in.text("node"));
     at->nodal.push_back({node, pair_of(in, "force", "moment")});
@@ -67,11 +71,14 @@ void read_load(const std::string& name, const Section& in, const Names& nodes, c
   }
   beam::MemberLoad load;
   load.member = members.find(in, "member", in.text("member"));
+  if (in.has("preload")) at->preloads.emplace_back(load.member, in.quantity("preload"));
   load.load.at_1 = load.load.at_2 = pair_of(in, "line_force", "line_moment");
   if (in.has("line_force_2")) load.load.at_2.head<3>() = in.vector3("line_force_2");
   if (in.has("line_moment_2")) load.load.at_2.tail<3>() = in.vector3("line_moment_2");
   load.element_axes = in.text("axes") == "member";
-  at->members.push_back(load);
+  if (!in.has("preload") || in.has("line_force") || in.has("line_moment") || in.has("line_force_2") ||
+      in.has("line_moment_2"))
+    at->members.push_back(load);
 }
 
 }  // namespace flexura::reduce

@@ -242,6 +242,13 @@ LoadInput read_load(const std::string& name, const Section& in) {
     l.type = LoadType::field;
     l.formulas = {in.text("x"), in.text("y"), in.text("z")};
   }
+  if (type == "preload") {
+    l.type = LoadType::preload;
+    l.keep_shape = true;
+    l.strain = in.text("strain");
+    if (in.has("axis")) l.vector = direction(in, "axis");
+    if (in.has("material")) l.material = in.text("material");
+  }
   return l;
 }
 

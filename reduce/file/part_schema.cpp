@@ -219,7 +219,7 @@ TableSchema load_schema() {
                     "`distributed_load` put it on the body, times a formula."};
   s.selector = "type";
   s.keys = {
-      input::choice("type", {"gravity", "rotation", "pressure", "field"}, "what acts").required(),
+      input::choice("type", {"gravity", "rotation", "pressure", "field", "preload"}, "what acts").required(),
       input::flag("keep_shape",
                   "keep the part's static answer to it as a shape, so that this load is exact in statics")
           .or_default("false"),
@@ -241,6 +241,27 @@ TableSchema load_schema() {
       .name = "load by formulas",
       .keys = {input::text("x", "force per mass along x [m/s^2], a formula of x, y, z [m]").or_default("0"),
                input::text("y", "along y").or_default("0"), input::text("z", "along z").or_default("0")}};
+  s.variants["preload"] = {
+      .name = "preload inside the part",
+      .doc =
+          "A preload of the part itself, which holds itself in balance: a bolt that is tightened, a ring "
+          "shrunk on, a wire too "
+          "short, heat. Its static answer is always kept. With stiffening = true the superelement knows what "
+          "it adds to the "
+          "stiffness, too.",
+      .keys = {input::expression(
+                   "strain",
+                   "strain that the material would take if it were free, a number or a formula of x, "
+                   "y, z [m], taken "
+                   "in the middle of each element: below zero it is too short, and pulls. A "
+                   "conditional confines it: "
+                   "\"x > 0.1 ? -1e-4 : 0\"")
+                   .required(),
+               input::vector3(
+                   "axis", dim::none,
+                   "the strain is along this direction alone (a bolt); without it in all (heat: expansion "
+                   "coefficient times temperature)"),
+               input::text("material", "only the elements of this material")}};
   return s;
 }
 

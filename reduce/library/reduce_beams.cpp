@@ -68,7 +68,7 @@ Reduced reduce(const BeamPartInput& input, const ReduceOptions& options) {
                     body->name, input.model.nodes[body->node].name));
     interfaces.push_back(*body);
   }
-  BeamReduction beams = reduce_beams(structure, interfaces, how);
+  BeamReduction beams = reduce_beams(structure, interfaces, how, input.cases);
   Reduction& reduction = beams.reduction;
   const ReductionReport& r = reduction.report;
 
@@ -114,14 +114,25 @@ Reduced reduce(const BeamPartInput& input, const ReduceOptions& options) {
   named.modes = input.modes;
   std::vector<superelement::LoadCase> cases;
   for (const LoadCase& load : input.cases)
-    cases.push_back({load.name, beams.T.transpose() * load_vector(structure, load)});
+    cases.push_back({.name = load.name,
+                     .p_se = beams.T.transpose() * load_vector(structure, load),
+                     .is_preload = !load.preloads.empty() && load.nodal.empty() && load.members.empty()});
   superelement::Superelement se =
       to_superelement(named, std::move(reduction), surface_of(structure.picture()), json.dump(1));
   se.load_cases = std::move(cases);
+  const bool preloaded =
+      std::ranges::any_of(input.cases, [](const LoadCase& load) { return !load.preloads.empty(); });
   // Nine places show how bending runs along a member; large structures make do with fewer.
   if (input.model.members.size() <= most_members)
     se.sections = section_forces(
         mesh, beams.T, std::clamp(static_cast<int>(2 * most_members / input.model.members.size()), 2, 9));
+  if (preloaded && se.sections) {
+    se.sections->of_loads.setZero(se.sections->S.rows(), static_cast<Eigen::Index>(input.cases.size()));
+    for (std::size_t k = 0; k < input.cases.size(); ++k)
+      for (std::size_t p = 0; p < se.sections->member.size(); ++p)
+        se.sections->of_loads(6 * static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(k)) =
+            preload_of(input.cases[k], se.sections->member[p]);
+  }
   return {.superelement = std::move(se), .text = std::move(text), .json = json};
 }
 

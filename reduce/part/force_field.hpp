@@ -14,4 +14,7 @@ namespace flexura::reduce {
 /// finite.
 Eigen::MatrixX3d evaluate_field(const std::array<std::string, 3>& formulas, const mesh::Mesh& mesh);
 
+/// One formula of x, y, z [m] in the middle of the nodes of each solid cell, in the order of their blocks.
+Eigen::VectorXd evaluate_at_cells(const std::string& formula, const mesh::Mesh& mesh);
+
 }  // namespace flexura::reduce

@@ -19,6 +19,7 @@
 #include "reduce/part/deck_frames.hpp"
 #include "reduce/part/force_field.hpp"
 #include "reduce/part/idle_turns.hpp"
+#include "reduce/part/preload.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -295,6 +296,9 @@ void add_loads(const PartInput& input, const PartMesh& from, const mesh::Mesh& s
               "the set has no faces of the part's surface to push on; name a set of whole faces");
         load.forces = Eigen::MatrixX3d::Zero(mesh.n_nodes(), 3);
         load.forces.topRows(surface.n_nodes()) = -wanted.value * pressure_load(surface, chosen.set.faces);
+      } else if (wanted.type == LoadType::preload) {
+        load.strain = preload_strain(wanted, out.part);
+        load.forces = initial_strain_forces(out.part, load.strain);
       } else {
         load.acceleration = evaluate_field(wanted.formulas, mesh);
       }

@@ -63,7 +63,7 @@ struct LinkInput {
   std::string where;
 };
 
-enum class LoadType { gravity, rotation, pressure, field };
+enum class LoadType { gravity, rotation, pressure, field, preload };
 
 struct LoadInput {
   std::string name;
@@ -74,6 +74,8 @@ struct LoadInput {
   double value = 0.0;  ///< speed or pressure
   mesh::Rule faces = {};
   std::array<std::string, 3> formulas = {};
+  std::string strain = {};    ///< preload: a formula of x, y, z; `vector` its direction, zero: all
+  std::string material = {};  ///< of its cells; empty: all
   std::string where;
 };
 

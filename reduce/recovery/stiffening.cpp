@@ -58,14 +58,16 @@ std::vector<int> statically_determinate(const TiedModel& model, double length) {
   return held;
 }
 
-// The scalar matrix g_ac = integral grad N_a . sigma grad N_c dV for the stress of a displacement field.
+// The scalar matrix g_ac = integral grad N_a . sigma grad N_c dV for the stress of a displacement field and of initial strains
+// of the cells (or none).
 linalg::SymmetricMatrix stress_stiffness(const Part& part, const linalg::SymmetricMatrix& m,
-                                         const VectorXd& U) {
+                                         const VectorXd& U, const CellStrains& initial) {
   const linalg::UpperCsr pattern = m.csr();
   linalg::SymmetricMatrix g({pattern.row_begin.begin(), pattern.row_begin.end()},
                             {pattern.columns.begin(), pattern.columns.end()});
   constexpr int kChunk = 512;
   std::vector<MatrixXd> results(kChunk);
+  Index before = 0;
   for (const mesh::CellBlock& block : part.mesh.solids) {
     const Element& element = solid_element(block.type, formulation_of(block, part.formulation));
     for (Index first = 0; first < block.nodes.rows(); first += kChunk) {
@@ -84,7 +86,8 @@ linalg::SymmetricMatrix stress_stiffness(const Part& part, const linalg::Symmetr
         for (const TabulatedRule::Point& point : element.stiffness.points) {
           const double det = spatial_gradients(point, x, gradients);
           field.at(point, B);
-          const Eigen::Matrix<double, 6, 1> strain = B * u.reshaped<Eigen::RowMajor>();
+          Eigen::Matrix<double, 6, 1> strain = B * u.reshaped<Eigen::RowMajor>();
+          if (initial.rows() > 0) strain -= initial.row(before + cell).transpose();
           const Eigen::Matrix<double, 6, 1> s = part.materials[material].D * strain;
           Eigen::Matrix3d sigma;
           sigma << s(0), s(3), s(5), s(3), s(1), s(4), s(5), s(4), s(2);
@@ -96,6 +99,7 @@ linalg::SymmetricMatrix stress_stiffness(const Part& part, const linalg::Symmetr
         g.add({cell.data(), static_cast<std::size_t>(cell.size())}, results[k]);
       }
     }
+    before += block.nodes.rows();
   }
   g.finish();
   return g;
@@ -104,7 +108,8 @@ linalg::SymmetricMatrix stress_stiffness(const Part& part, const linalg::Symmetr
 }  // namespace
 
 StiffeningTerms stiffening_terms(const Part& part, const TiedSolver& solver, const MatrixXd& Psi,
-                                 const MatrixXd& K_bb, const MatrixXd& T, const linalg::Progress& progress) {
+                                 const MatrixXd& K_bb, const MatrixXd& T,
+                                 const std::vector<StressingLoad>& more, const linalg::Progress& progress) {
   if (!part.mesh.shells.empty() || !part.frames.empty())
     throw std::invalid_argument(
         "geometric stiffening of shells and of beams among solids is not computed: leave it out (stiffening "
@@ -125,13 +130,15 @@ StiffeningTerms stiffening_terms(const Part& part, const TiedSolver& solver, con
   for (int b = 0; b < n_b; ++b)
     if (std::find(terms.held.begin(), terms.held.end(), b) == terms.held.end()) free.push_back(b);
 
-  // Static displacements of all nodes: twelve inertia loads, then a unit load on each boundary dof.
-  const Index n_loads = 12 + n_b;
+  // Static displacements of all nodes: twelve inertia loads, then the load cases, then a unit load on each boundary dof.
+  const auto n_more = static_cast<Index>(more.size()), n_nodal = 12 + n_more, n_loads = n_nodal + n_b;
   MatrixXd U;
   {
     MatrixXd A(3 * n_nodes, 12), F, f_i, f_b;
     for (Index node = 0; node < n_nodes; ++node) A.middleRows<3>(3 * node) = inertia_forces(points.row(node));
     model.m().multiply_kron3(A, F);
+    F.conservativeResize(Eigen::NoChange, n_nodal);
+    for (Index k = 0; k < n_more; ++k) F.col(12 + k) = more[static_cast<std::size_t>(k)].forces;
     model.gather(F, f_i, f_b);
     MatrixXd load(n_b, n_loads);
     load << f_b + model.inner(Psi, f_i), MatrixXd::Identity(n_b, n_b);
@@ -142,7 +149,7 @@ StiffeningTerms stiffening_terms(const Part& part, const TiedSolver& solver, con
       u_b(free, Eigen::all) = u_free;
     }
     MatrixXd u_i = linalg::times(Psi, u_b);
-    u_i.leftCols(12) += solver.solve(f_i);
+    u_i.leftCols(n_nodal) += solver.solve(f_i);
     model.expand(u_i, u_b, U);
   }
 
@@ -156,9 +163,13 @@ StiffeningTerms stiffening_terms(const Part& part, const TiedSolver& solver, con
   const auto reduced = [&](Index load) -> MatrixXd {
     linalg::report(progress, "geometric stiffening",
                    static_cast<double>(load) / static_cast<double>(n_loads));
-    if (load >= 12 && std::find(terms.held.begin(), terms.held.end(), load - 12) != terms.held.end())
+    if (load >= n_nodal &&
+        std::find(terms.held.begin(), terms.held.end(), load - n_nodal) != terms.held.end())
       return MatrixXd::Zero(n, n);
-    const linalg::SymmetricMatrix g = stress_stiffness(part, model.m(), U.col(load));
+    const bool is_case = load >= 12 && load < n_nodal;
+    const linalg::SymmetricMatrix g =
+        stress_stiffness(part, model.m(), U.col(load),
+                         is_case ? more[static_cast<std::size_t>(load - 12)].strain : CellStrains());
     MatrixXd K_0 = MatrixXd::Zero(n, n), gPhi;
     for (const MatrixXd& shapes : Phi) {
       g.multiply(shapes, gPhi);
@@ -170,7 +181,8 @@ StiffeningTerms stiffening_terms(const Part& part, const TiedSolver& solver, con
   for (int a = 0; a < 3; ++a) terms.K0t[a] = reduced(a);
   for (int a = 0; a < 3; ++a) terms.K0r[a] = reduced(3 + a);
   for (int k = 0; k < 6; ++k) terms.K0omega[k] = reduced(6 + k);
-  for (Index b = 0; b < n_b; ++b) terms.K0F.push_back(reduced(12 + b));
+  for (Index k = 12; k < n_nodal; ++k) terms.K0p.push_back(reduced(k));
+  for (Index b = 0; b < n_b; ++b) terms.K0F.push_back(reduced(n_nodal + b));
   linalg::report(progress, "geometric stiffening", 1.0);
   return terms;
 }

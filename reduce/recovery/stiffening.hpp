@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "reduce/assembly/input/initial_strain.hpp"
 #include "reduce/assembly/tied_solver.hpp"
 
 /// Geometric stiffening: the stiffness that a stressed body has beyond its elastic one,
@@ -20,6 +21,9 @@
 /// are in equilibrium (d'Alembert), so that these reactions cancel in the sum, whatever six were chosen.  K0F
 /// of the held dofs is zero. Stresses of the elastic vibration's own inertia forces are not part of it.
 ///
+/// Load cases are such loads, too (K0p).  Those of a preload hold each other in balance: its stress is D (strain - initial
+/// strain) of the free body, and what joints that hold the body against it add comes by their forces, K0F.
+///
 /// Loads keep their direction.  Forces that follow the body add their own load stiffness.
 namespace flexura::reduce {
 
@@ -30,13 +34,21 @@ struct StiffeningTerms {
   std::array<Eigen::MatrixXd, 6>
       K0omega;                       ///< per rad^2/s^2: xx, yy, zz, xy, yz, zx (omega_x omega_y counted once)
   std::vector<Eigen::MatrixXd> K0F;  ///< per N or N m on each boundary dof
+  std::vector<Eigen::MatrixXd> K0p;  ///< of each further load
   std::vector<int> held;             ///< the boundary dofs that balance
+};
+
+/// A load beside those of motion and interfaces.
+struct StressingLoad {
+  Eigen::VectorXd forces;  ///< 3 n_nodes [N]
+  CellStrains strain;      ///< of a preload, or empty
 };
 
 /// Computes all terms.  `Psi` (n_i x n_b) and `K_bb` (condensed, n_b x n_b) are the constraint modes and the
 /// static stiffness of the interface, `T` (3 n_nodes x n) the shapes on all nodes.
 StiffeningTerms stiffening_terms(const Part& part, const TiedSolver& solver, const Eigen::MatrixXd& Psi,
                                  const Eigen::MatrixXd& K_bb, const Eigen::MatrixXd& T,
+                                 const std::vector<StressingLoad>& more = {},
                                  const linalg::Progress& progress = {});
 
 }  // namespace flexura::reduce

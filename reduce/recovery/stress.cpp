@@ -120,4 +120,21 @@ Eigen::MatrixXd nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
   return stress;
 }
 
+Eigen::VectorXd nodal_initial_stress(const Part& part, const CellStrains& strain,
+                                     const std::vector<mesh::Index>& nodes) {
+  const std::vector<Eigen::Index> place = places_of(part, nodes);
+  const std::vector<std::pair<int, int>> chosen = nodal_materials(part, nodes);
+  Eigen::VectorXd stress = Eigen::VectorXd::Zero(6 * static_cast<Eigen::Index>(nodes.size()));
+  Eigen::Index of_all = 0;
+  for (const mesh::CellBlock& block : part.mesh.solids)
+    for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell, ++of_all) {
+      const int material = material_of(block, cell);
+      for (const mesh::Index node : block.nodes.row(cell))
+        if (const Eigen::Index v = place[node]; v >= 0 && chosen[v].first == material)
+          stress.segment<6>(6 * v) -=
+              part.materials[material].D * strain.row(of_all).transpose() / chosen[v].second;
+    }
+  return stress;
+}
+
 }  // namespace flexura::reduce

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "reduce/assembly/input/part.hpp"
+#include "reduce/assembly/input/initial_strain.hpp"
 
 /// Stress modes: the stresses of each shape, sigma = sum_k sigma_k u_se,k at run time.
 namespace flexura::reduce {
@@ -22,6 +22,11 @@ Eigen::MatrixXd nodal_stress_modes(const Part& part, const Eigen::MatrixXd& T,
                                    const std::vector<mesh::Index>& nodes,
                                    const Eigen::MatrixXd& rotations = {},
                                    const std::vector<int>& rotation_of = {});
+
+/// 6 n_v: the stress -D e of initial strains of the cells with every node held, by the same means: what a preload adds to the
+/// stress of the displacements.
+Eigen::VectorXd nodal_initial_stress(const Part& part, const CellStrains& strain,
+                                     const std::vector<mesh::Index>& nodes);
 
 /// That material (index) of each node, and how many of its cells share the node; -1 and 0 where no
 /// stress is known.

@@ -105,7 +105,7 @@ superelement::Superelement to_superelement(const PartInput& input, Reduction&& r
   se.omega2 = std::move(reduction.omega2);
   se.D_se = std::move(reduction.D_se);
   for (ReducedLoad& load : reduction.loads)
-    se.load_cases.push_back({load.name, std::move(load.p_se), std::move(load.moment)});
+    se.load_cases.push_back({load.name, std::move(load.p_se), std::move(load.moment), load.is_preload});
   se.modal_damping = input.modes.damping;
   se.inertia.mass = reduction.inertia.mass;
   se.inertia.S_x = reduction.inertia.S_x;
@@ -118,12 +118,14 @@ superelement::Superelement to_superelement(const PartInput& input, Reduction&& r
     se.stiffening = superelement::StiffeningTerms{.K0t = std::move(terms.K0t),
                                                   .K0r = std::move(terms.K0r),
                                                   .K0omega = std::move(terms.K0omega),
-                                                  .K0F = std::move(terms.K0F)};
+                                                  .K0F = std::move(terms.K0F),
+                                                  .K0p = std::move(terms.K0p)};
   }
   if (!stress_vertices.empty())
     se.stress = superelement::StressModes{.vertices = std::move(stress_vertices),
                                           .S = std::move(reduction.stress_modes),
-                                          .double_precision = input.recovery.double_precision};
+                                          .double_precision = input.recovery.double_precision,
+                                          .of_loads = std::move(reduction.stress_of_loads)};
   se.surface = std::move(surface);
   se.shapes = std::move(reduction.shapes);
   return se;

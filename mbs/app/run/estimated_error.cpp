@@ -101,9 +101,8 @@ void add_bodies(const mbs::PreparedMechanism& prepared, std::vector<ErrorSource>
                          body.name,
                          {},
                          0.0,
-                         body.follows_surface || body.is_loaded_by_case
-                             ? "its loads on the surface have no terms for it"
-                             : "reduce it with stiffening = true"});
+                         body.follows_surface ? "its loads on the surface have no terms for it"
+                                              : "reduce it with stiffening = true"});
   }
 }
 

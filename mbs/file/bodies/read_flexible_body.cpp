@@ -196,6 +196,7 @@ std::shared_ptr<const StressField> read_stress_field(const Section& s, const sup
     x.col(k) = se.surface.vertices.row(vertices[k]).transpose();
   auto field = std::make_shared<StressField>(se.stress->S, std::move(x),
                                              std::vector<int>(vertices.begin(), vertices.end()), body.Y);
+  field->set_loads(se.stress->of_loads);
   if (!se.stress->compliance.empty())
     field->set_compliance(se.stress->compliance, {se.stress->material.begin(), se.stress->material.end()});
   for (const auto& [name, point] : s.table_map("stress_point"))
@@ -230,11 +231,26 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
                              "stiffening by loads on its interfaces only: all of it or none",
                              nodes[node].name),
                  "make that place an interface when the part is reduced, or use fidelity = \"modal\"");
-  if (options.stiffening && d.bodies[body].is_loaded_by_case)
+  if (options.stiffening && d.bodies[body].is_loaded_by_case && se.stiffening && se.stiffening->K0p.empty())
     s.refuse("fidelity",
-             "a force puts a load case on the body, and a superelement has geometric stiffening by gravity, "
-             "motion and loads on its interfaces only: all of it or none",
-             "use fidelity = \"modal\", or let forces act on interfaces");
+             "a force puts a load case on the body, and its superelement does not know what that adds to the "
+             "stiffness: all of it or none",
+             "reduce the part again (with stiffening = true), use fidelity = \"modal\", or let forces act on "
+             "interfaces");
+  for (const auto& force : d.forces) {
+    const auto [on, load] = force->load_case();
+    if (on != body || !d.bodies[body].loads[static_cast<std::size_t>(load)].is_preload) continue;
+    if (!options.stiffening && !fidelity.by_loads_alone)
+      notes.push_back(
+          fmt::format("body \"{}\": preload \"{}\" deforms it; what it adds to the stiffness only fidelity = "
+                      "\"modal-stiffened\" has",
+                      name, force->name()));
+    if (wants_stress(s) || wants_sections(s))
+      notes.push_back(
+          fmt::format("body \"{}\": stresses and section forces in the results hold those of preload \"{}\"; "
+                      "the page does not draw them",
+                      name, force->name()));
+  }
   if (options.stiffening && on_surface.cols() > 0)
     s.refuse("fidelity",
              "a force acts on the body's surface, and a superelement has geometric stiffening by gravity, "

@@ -308,8 +308,11 @@ ForceType distributed_load() {
   ForceType type;
   type.name = "distributed_load";
   type.doc =
-      "A load case of a superelement (pressure, gravity, rotation or a field, `[load.NAME]` in its part "
-      "file) times a formula. Its forces turn with the body; on a rigid body they act by their resultant.";
+      "A load case of a superelement (pressure, gravity, rotation, a field or a preload, `[load.NAME]` in "
+      "its "
+      "part file) times a formula. Its forces turn with the body; on a rigid body they act by their "
+      "resultant. "
+      "With `modal-stiffened` it changes the body's stiffness, too.";
   type.keys = {text("body", "the body, of a superelement that was reduced with load cases").required(),
                text("load", "name of the load case").required(),
                expression("factor", "factor, a formula of t, parameters, joint coordinates and measures")

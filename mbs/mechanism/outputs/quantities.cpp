@@ -50,6 +50,26 @@ void Quantities::evaluate(const std::vector<int>& which, const Instant& at, Vect
   bool momentum_is_known = false;
   StressField::Largest largest;
   int largest_of = -1;
+  std::vector<double> factors;
+  int factors_of = -1;
+  // Of a body's load cases, where its stresses or section forces follow them.
+  const auto load_factors = [&](int body) -> const double* {
+    const BodyDescription& b = tree_.d.bodies[body];
+    if (!b.is_loaded_by_case ||
+        !((b.stress && b.stress->has_loads()) || (b.sections && b.sections->has_loads())))
+      return nullptr;
+    if (factors_of == body) return factors.data();
+    factors_of = body;
+    factors.assign(b.loads.size(), 0.0);
+    for (const auto& force : tree_.d.forces) {
+      const auto [on, load] = force->load_case();
+      if (on != body) continue;
+      double factor = 0.0;
+      force->evaluate_outputs(motion.kin, at.signals.values.data(), &factor);
+      factors[static_cast<std::size_t>(load)] += factor;
+    }
+    return factors.data();
+  };
   for (std::size_t i = 0; i < which.size(); ++i) {
     const Quantity& q = all_[which[i]];
     double value = 0.0;
@@ -91,7 +111,7 @@ void Quantities::evaluate(const std::vector<int>& which, const Instant& at, Vect
         break;
       case Kind::largest_stress: {
         const StressField& stress = *tree_.d.bodies[q.index].stress;
-        if (largest_of != q.index) largest = stress.largest(at.deformation(q.index));
+        if (largest_of != q.index) largest = stress.largest(at.deformation(q.index), load_factors(q.index));
         largest_of = q.index;
         value = q.component == 0 ? largest.von_mises : stress.position(largest.place)(q.component - 1);
         break;
@@ -100,15 +120,15 @@ void Quantities::evaluate(const std::vector<int>& which, const Instant& at, Vect
         const StressField& stress = *tree_.d.bodies[q.index].stress;
         const int place = stress.points()[q.component / Quantity::kOfPoint].place,
                   what = q.component % Quantity::kOfPoint;
-        const double* const modal = at.deformation(q.index);
-        value = what < 6    ? stress.at(place, modal)(what)
-                : what == 6 ? von_mises(stress.at(place, modal))
-                            : stress.strain_at(place, modal)(what - 7);
+        const double *const modal = at.deformation(q.index), *const loads = load_factors(q.index);
+        value = what < 6    ? stress.at(place, modal, loads)(what)
+                : what == 6 ? von_mises(stress.at(place, modal, loads))
+                            : stress.strain_at(place, modal, loads)(what - 7);
         break;
       }
       case Kind::section_force:
-        value =
-            tree_.d.bodies[q.index].sections->at(q.component / 6, at.deformation(q.index))(q.component % 6);
+        value = tree_.d.bodies[q.index].sections->at(q.component / 6, at.deformation(q.index),
+                                                     load_factors(q.index))(q.component % 6);
         break;
       case Kind::surface_point: {
         const SurfacePoints& surface = *tree_.d.bodies[q.index].surface_points;

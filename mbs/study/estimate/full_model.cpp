@@ -59,8 +59,9 @@ bool can_deform(const mbs::BodyDescription& body) {
 }
 
 bool has_stiffening_terms(const mbs::BodyDescription& body) {
-  return !body.follows_surface && !body.is_loaded_by_case &&
-         superelement::contents(body.superelement).bytes.stiffening > 0.0;
+  const superelement::Contents file = superelement::contents(body.superelement);
+  return !body.follows_surface && file.bytes.stiffening > 0.0 &&
+         (!body.is_loaded_by_case || file.stiffening_of_loads);
 }
 
 FullModel::FullModel(std::unique_ptr<mbs::Mechanism> mechanism) : mechanism_(std::move(mechanism)) {

@@ -30,7 +30,7 @@ struct ModalBlock {
 bool can_deform(const mbs::BodyDescription& body);
 
 /// The superelement's file holds geometric stiffening terms for what loads the body: no marker follows nodes
-/// of its surface, and no force puts a load case on it.
+/// of its surface, and no force puts a load case on it whose terms it lacks.
 bool has_stiffening_terms(const mbs::BodyDescription& body);
 
 /// Of what bodies a full model is made.

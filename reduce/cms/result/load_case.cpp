@@ -33,7 +33,7 @@ ReducedLoad reduced_load(const LoadField& load, const Eigen::MatrixXd& T, const 
     forces.col(1 + a) = nodal_forces(m, n_nodes, turned);
   }
   const Eigen::MatrixXd on_shapes = linalg::transpose_times(T, forces);
-  return {load.name, on_shapes.col(0), on_shapes.rightCols<3>().transpose()};
+  return {load.name, on_shapes.col(0), on_shapes.rightCols<3>().transpose(), load.strain.rows() > 0};
 }
 
 }  // namespace flexura::reduce

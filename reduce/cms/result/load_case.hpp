@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "reduce/assembly/input/initial_strain.hpp"
 #include "reduce/cms/result/reduction.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
 
@@ -15,6 +16,7 @@ struct LoadField {
   Eigen::MatrixX3d forces;        ///< n_nodes x 3 [N], or empty
   Eigen::MatrixX3d acceleration;  ///< n_nodes x 3 [m/s^2], interpolated like displacements, or empty
   bool keep_shape = false;        ///< the interior's static answer becomes a shape, too
+  CellStrains strain = {};        ///< of a preload, whose `forces` are those of this strain; or empty
 };
 
 /// 3 n_nodes x 1 [N], row 3 i + a: the forces of the field on the nodes; `m` n_nodes x n_nodes [kg], the mass

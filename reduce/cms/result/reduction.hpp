@@ -40,6 +40,7 @@ struct ReducedLoad {
   std::string name;
   Eigen::VectorXd p_se;     ///< n, T^T p
   Eigen::Matrix3Xd moment;  ///< 3 x n, sum of phi_k x p
+  bool is_preload = false;
 };
 
 /// What the reduction did and how well, for reports.
@@ -83,6 +84,7 @@ struct Reduction {
   std::optional<StiffeningTerms> stiffening;  ///< if asked for
   /// 6 n_s x n at the options' stress nodes, if asked for (recovery/stress.hpp).
   Eigen::MatrixXd stress_modes;
+  Eigen::MatrixXd stress_of_loads;  ///< 6 n_s x loads there, of preloads (recovery/stress.hpp); empty: none
   Eigen::MatrixXf
       shapes;  ///< 3 n_v x n at the nodes asked for: rows x, y, z of the first, then the second, ...
   /// n_b x n_b: Mhat^T F_rs Mhat, the dropped modes' share of the interface's dynamics (error_estimate.hpp)

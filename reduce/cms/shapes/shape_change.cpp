@@ -143,6 +143,7 @@ void change_shapes(Reduction& r, const CanonicalShapes& shapes) {
     for (MatrixXd& A : r.stiffening->K0r) congruent(A);
     for (MatrixXd& A : r.stiffening->K0omega) congruent(A);
     for (MatrixXd& A : r.stiffening->K0F) congruent(A);
+    for (MatrixXd& A : r.stiffening->K0p) congruent(A);
   }
   for (ReducedLoad& load : r.loads) {
     load.p_se = (Y.transpose() * load.p_se).eval();

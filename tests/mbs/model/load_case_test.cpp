@@ -126,6 +126,31 @@ TEST_F(LoadCases, AreRefusedWithTheReason) {
   l_.se.stiffening = lattice::any_stiffening(l_.se.n(), 5);
   superelement::write(folder_ / "beam.se.h5", l_.se);
   EXPECT_THAT(refusal_of({"body.beam.fidelity=modal-stiffened"}), HasSubstr("all of it or none"));
+  l_.se.stiffening->K0p = {l_.se.stiffening->K0F[0]};
+  superelement::write(folder_ / "beam.se.h5", l_.se);
+  EXPECT_EQ(refusal_of({"body.beam.fidelity=modal-stiffened"}), "accepted");
+}
+
+// What the geometric stiffness adds to the force on the modes, -factor K0p s, and its power.
+TEST_F(LoadCases, HaveTheStiffnessThatTheyAdd) {
+  l_.se.stiffening = lattice::any_stiffening(l_.se.n(), 5);
+  const MatrixXd K0p = l_.se.stiffening->K0F[3];
+  const auto with = [&](const MatrixXd& terms) {
+    l_.se.stiffening->K0p = {terms};
+    superelement::write(folder_ / "beam.se.h5", l_.se);
+    return Mechanism(read(kBlown, {"body.beam.fidelity=modal-stiffened"}).description);
+  };
+  const Mechanism m = with(K0p), plain = with(0.0 * K0p);
+  const State s = random_state(m, 4, 0.3);
+  const VectorXd v_dot = Random(5).vector(m.sizes().n_v);
+  const int b = 2, n_modes = m.description().bodies[b].flexible->m();
+  const Eigen::MatrixXd& Y = m.description().bodies[b].flexible->modal()->Y;
+  const Eigen::Map<const VectorXd> modal(m.modal_coordinates(b, s), n_modes);
+  const VectorXd added = (momentum(m, s, v_dot) - momentum(plain, s, v_dot)).head(m.sizes().n_v);
+  const VectorXd wanted = 2.0 * Y.transpose() * (K0p * (Y * modal));
+  EXPECT_LT((added.tail(n_modes) - wanted).norm(), 1e-9 * wanted.norm());
+  EXPECT_LT(added.head(added.size() - n_modes).norm(), 1e-9 * wanted.norm());
+  power_balances(m, s, 6);
 }
 
 TEST_F(LoadCases, OfFilesWithoutTheirTorqueByDisplacementAreTakenWithoutIt) {

@@ -105,7 +105,18 @@ TEST_F(FlexibleDerivativesOfAFile, OfALoadCase) {
   se.load_cases = {{"wind", random.vector(se.n()), MatrixXd::Zero(3, se.n())}};
   for (auto column : se.load_cases[0].moment.colwise()) column = random.vector3();
   superelement::write(folder_ / "beam.se.h5", se);
-  for (const char* fidelity : {"modal", "ked", "rigid"}) {
+  superelement::StiffeningTerms& terms = se.stiffening.emplace(lattice::any_stiffening(se.n(), 5));
+  terms.K0p = {terms.K0F[2]};
+  // So small that a hundredth of a unit of deformation is no large second-order displacement.
+  const auto scale = [](auto& matrices) {
+    for (MatrixXd& K0 : matrices) K0 *= 0.02;
+  };
+  scale(terms.K0t);
+  scale(terms.K0r);
+  scale(terms.K0omega);
+  scale(terms.K0F);
+  superelement::write(folder_ / "beam.se.h5", se);
+  for (const char* fidelity : {"modal", "modal-stiffened", "ked", "rigid"}) {
     SCOPED_TRACE(fidelity);
     derivatives_agree(Mechanism(read(kBlown, {std::string("body.beam.fidelity=") + fidelity,
                                               "force.gale.factor=1 + elbow.angle^2 + 0.3*elbow.speed"})

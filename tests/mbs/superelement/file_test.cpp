@@ -49,7 +49,13 @@ Superelement complete_beam() {
   se.load_cases.push_back({"steam", Eigen::VectorXd::LinSpaced(n, 0.1, 2.7),
                            Eigen::VectorXd::LinSpaced(3 * n, -1.1, 3.2).reshaped(3, n)});
   se.D_se = 1e-5 * se.K_se;
+  se.load_cases.push_back({.name = "bolts",
+                           .p_se = Eigen::VectorXd::LinSpaced(n, -0.1, 1.7),
+                           .moment = Eigen::Matrix3Xd::Zero(3, n),
+                           .is_preload = true});
+  terms.K0p = {terms.K0t[0], terms.K0t[1]};
   StressModes& stress = se.stress.emplace();
+  stress.of_loads = Eigen::MatrixXd::Constant(18, 2, 1.5e6);
   stress.vertices = {0, 2, 5};
   // Multiples of 1/8 pass through single precision unchanged.
   stress.S = Eigen::MatrixXd::NullaryExpr(
@@ -104,12 +110,14 @@ void expect_same(const Superelement& a, const Superelement& b) {
     EXPECT_EQ(a.stiffening->K0r, b.stiffening->K0r);
     EXPECT_EQ(a.stiffening->K0omega, b.stiffening->K0omega);
     EXPECT_EQ(a.stiffening->K0F, b.stiffening->K0F);
+    EXPECT_EQ(a.stiffening->K0p, b.stiffening->K0p);
   }
   ASSERT_EQ(a.load_cases.size(), b.load_cases.size());
   for (std::size_t i = 0; i < a.load_cases.size(); ++i) {
     EXPECT_EQ(a.load_cases[i].name, b.load_cases[i].name);
     EXPECT_EQ(a.load_cases[i].p_se, b.load_cases[i].p_se);
     EXPECT_EQ(a.load_cases[i].moment, b.load_cases[i].moment);
+    EXPECT_EQ(a.load_cases[i].is_preload, b.load_cases[i].is_preload);
   }
   EXPECT_EQ(a.surface.vertices, b.surface.vertices);
   EXPECT_EQ(a.surface.triangles, b.surface.triangles);
@@ -122,6 +130,7 @@ void expect_same(const Superelement& a, const Superelement& b) {
     EXPECT_EQ(a.stress->S, b.stress->S);
     EXPECT_EQ(a.stress->compliance, b.stress->compliance);
     EXPECT_EQ(a.stress->material, b.stress->material);
+    EXPECT_EQ(a.stress->of_loads, b.stress->of_loads);
     EXPECT_EQ(a.stress->double_precision, b.stress->double_precision);
   }
   ASSERT_EQ(a.mesh_error.has_value(), b.mesh_error.has_value());
