@@ -126,20 +126,6 @@ void SymmetricMatrix::add_to_entry(int i, int j, double value) {
   impl_->values[static_cast<std::size_t>(place - begin)] += value;
 }
 
-void SymmetricMatrix::add(const UpperCsr& other) {
-  if (other.n != size()) throw std::logic_error("adding matrices: their sizes differ");
-  for (int i = 0; i < other.n; ++i) {
-    int at = impl_->row_begin[i];
-    const int end = impl_->row_begin[i + 1];
-    for (int k = other.row_begin[i]; k < other.row_begin[i + 1]; ++k) {
-      while (at < end && impl_->columns[at] < other.columns[k]) ++at;
-      if (at == end || impl_->columns[at] != other.columns[k])
-        throw std::runtime_error("adding matrices: an entry is outside the pattern");
-      impl_->values[at] += other.values[k];
-    }
-  }
-}
-
 SymmetricMatrix SymmetricMatrix::copy() const {
   SymmetricMatrix A(impl_->row_begin, impl_->columns);
   A.impl_->values = impl_->values;  // of the same size: PETSc's view of the array stays valid

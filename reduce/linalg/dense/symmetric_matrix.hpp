@@ -39,8 +39,6 @@ class SymmetricMatrix {
   void add_to_diagonal(int dof, double value);
   /// Adds to entry (i, j) = (j, i).  Throws std::runtime_error for an entry outside the pattern.
   void add_to_entry(int i, int j, double value);
-  /// Adds another matrix whose pattern lies within this one's; std::runtime_error where it does not.
-  void add(const UpperCsr& other);
   /// Ends the assembly; needed once before anything is read.
   void finish();
 

@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 using testing::HasSubstr;
 
 // A bush is no body: a bar ahead of each of its nodes has the mass, and strains nothing.
-std::string stubs(int a, int b) {
+std::string bars_ahead_of(int a, int b) {
   return fmt::format(
       "MAT1    99      1.+7            .3      1.\nPBAR    99      99      1.      1.      1.      1.\n"
       "GRID    901             0.      0.      -1.\nCBAR    901     99      {:<8}901     1.      0.      0.\n"
@@ -54,7 +54,7 @@ TEST_F(DeckPublished, OneBarAndOneBush) {
       "GRID           1       0      0.      0.      0.       0\n"
       "GRID           2       0     12.    25.2    37.8       0\n"
       "CBUSH          1       1       1       2.7071068.7071068      0.\n" +
-          stubs(1, 2),
+          bars_ahead_of(1, 2),
       {1, 2});
   ASSERT_EQ(bush.outcome.exit_code, 0) << bush.outcome.err;
   compare("bush_01", bush.se, solve(bush.se, {{1, "123456"}}, {{2, {-1200, 300, 750, 0, 0, 0}}}), 2,
@@ -119,8 +119,8 @@ TEST_F(DeckPublished, FourBushes) {
                  {1750, 245, 784, 0, 0, 0},
                  {0.1205234, 3.249251e-3, 9.293504e-3, 0, 0, 0}}};
   for (const auto& bush : bushes) {
-    const Reduced r =
-        reduce_at("SOL 101\nCEND\n  SPC = 1\n  LOAD = 1\nBEGIN BULK\n" + bush.cards + stubs(1, 2), {1, 2});
+    const Reduced r = reduce_at(
+        "SOL 101\nCEND\n  SPC = 1\n  LOAD = 1\nBEGIN BULK\n" + bush.cards + bars_ahead_of(1, 2), {1, 2});
     ASSERT_EQ(r.outcome.exit_code, 0) << bush.name << r.outcome.err;
     compare(bush.name, r.se, solve(r.se, {{1, "123456"}}, {{2, bush.load}}), 2, bush.printed, kMystran);
   }
@@ -159,7 +159,7 @@ TEST_F(DeckPublished, ABushAtAPointOfItsOwn) {
       "+C2R          0.      1.      0.\n"
       "PBUSH          1       K   1000.   2000.   3000.   4000.   5000.   6000.+CP1\n"
       "+CP1                 RCV      6.      5.      4.      3.\n" +
-          stubs(1, 2),
+          bars_ahead_of(1, 2),
       {1, 2});
   ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
   compare("SB-BUSH-01-OFFSET-2b", r.se, solve(r.se, {{1, "123456"}}, {{2, {100, 200, 300, 400, 500, 600}}}),
@@ -178,7 +178,7 @@ TEST_F(DeckPublished, ABushWithAnArmAndAMass) {
       "CBUSH          3       1       3       7                               0\n"
       "RBE2           5       9  123456       7\n"
       "CONM2          6       9       0    .002      0.      0.      0.\n" +
-          stubs(3, 9),
+          bars_ahead_of(3, 9),
       {3, 9});
   ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
   const VectorXd force = solve(r.se, {{3, "123456"}}, {{9, {1780, 750, -875, 0, 0, 0}}});
