@@ -24,7 +24,7 @@ struct RunDescription {
 
 /// Something in the file whose share in a run's error nothing in the program estimates.
 struct BlindSpot {
-  std::string kind;    ///< "elements", "link", "user_element"
+  std::string kind;    ///< "elements", "plane", "link", "user_element"
   std::string name;    ///< of the body, marker or element
   std::string remedy;  ///< how the user can judge it; may be empty
   std::string key =

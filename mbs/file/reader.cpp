@@ -250,6 +250,8 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
                                       ? "a run with twice as many tells"
                                       : fmt::format("a run with --set {}={} tells", key, 2 * beam.elements),
                                   key, beam.elements});
+    // What acts across the plane is carried without a deflection, and nothing of it is judged.
+    if (beam.is_planar) model_.blind_spots.push_back({"plane", name, "a run without planar = true tells"});
   }
   if (se && fidelity.of_superelement->deforms()) model_.to_prepare.emplace(b, se);
   if (is_beam) {
