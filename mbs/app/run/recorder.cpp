@@ -44,6 +44,43 @@ std::string line_of(double length) {
       .dump();
 }
 
+/// What stands on a planar beam moves with the element that it stands on: places and axes on the beam as they are given, in its
+/// undeformed body, become those on that element, which pages and exports draw.
+void put_on_elements(const mbs::Mechanism& mechanism, nlohmann::json& connections) {
+  const auto& bodies = mechanism.description().bodies;
+  const std::vector<mbs::DrawnElement> elements = mbs::drawn_elements(mechanism);
+  if (elements.empty()) return;
+  mbs::State undeformed = mechanism.initial_state();
+  undeformed.p.setZero();
+  const auto vector = [](const nlohmann::json& x) { return Eigen::Vector3d(x[0], x[1], x[2]); };
+  for (auto& connection : connections)
+    for (const std::string side : {"1", "2"}) {
+      const std::string of = "body_" + side, at = "p_" + side, axis = "axis_" + side;
+      if (!connection.contains(of) || !connection.contains(at) || !connection[at].is_array()) continue;
+      const auto body =
+          std::ranges::find(bodies, connection[of].get<std::string>(), &mbs::BodyDescription::name);
+      const int b = static_cast<int>(body - bodies.begin());
+      const auto first = std::ranges::find(elements, b, &mbs::DrawnElement::body);
+      if (body == bodies.end() || first == elements.end()) continue;
+      const std::vector<mbs::Pose> chords = mbs::drawn_chords(mechanism, b, undeformed);
+      const Eigen::Vector3d p = vector(connection[at]);
+      const auto far = [&](std::size_t k) {
+        const Eigen::Vector3d x = chords[k].inverse() * p;
+        return (x - Eigen::Vector3d(std::clamp(x.x(), 0.0, first->length), 0.0, 0.0)).norm();
+      };
+      std::size_t nearest = 0;
+      for (std::size_t k = 1; k < chords.size(); ++k)
+        if (far(k) < far(nearest)) nearest = k;
+      const mbs::Pose to_element = chords[nearest].inverse();
+      const Eigen::Vector3d x = to_element * p;
+      connection[of] = first[static_cast<std::ptrdiff_t>(nearest)].name;
+      connection[at] = {x.x(), x.y(), x.z()};
+      if (!connection.contains(axis) || !connection[axis].is_array()) continue;
+      const Eigen::Vector3d turned = to_element.R * vector(connection[axis]);
+      connection[axis] = {turned.x(), turned.y(), turned.z()};
+    }
+}
+
 }  // namespace
 
 results::ModelHeader model_header(std::span<const NamedRun> runs, const std::filesystem::path& mechanism_file,
@@ -61,8 +98,9 @@ results::ModelHeader model_header(const std::vector<const mbs::PreparedMechanism
   header.source = runs.front()->file.source;
   header.created_by = std::string("flexura ") + FLEXURA_VERSION;
   header.gravity = first.description().gravity;
-  header.connections_json = mbs::connections_json(first);
-  const auto connections = nlohmann::json::parse(header.connections_json);
+  auto connections = nlohmann::json::parse(mbs::connections_json(first));
+  put_on_elements(first, connections);
+  header.connections_json = connections.dump();
   const auto results_folder = std::filesystem::absolute(results_file).parent_path();
   const std::vector<mbs::DrawnElement> elements = mbs::drawn_elements(first);
   for (std::size_t b = 0; b < first.description().bodies.size(); ++b) {

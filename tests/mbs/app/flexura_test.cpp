@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <fstream>
+#include <iterator>
 
 #include "mbs/base/terminal/terminal.hpp"
 #include "tests/mbs/app/flexura_fixture.hpp"
@@ -314,6 +316,38 @@ end_time = "1 ms"
       flexura("simulate " + mechanism.string() + " -o " + (folder_ / "cable.h5").string());
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("elements of cable: --check-elements tells"));
+}
+
+// The force at the tip of a planar beam, which is one body with its frame at the root, is drawn on the last element, which bends away.
+TEST_F(Flexura, PageOfAPlanarBeamHasItsForcesOnTheElements) {
+  const auto mechanism = folder_ / "planar.toml";
+  std::ofstream(mechanism) << R"toml([body.cable]
+fidelity = "beam"
+[body.cable.beam]
+to = [1, 0, 0]
+elements = 2
+planar = true
+young = "1 MPa"
+density = 1000
+diameter = "10 mm"
+[joint.clamp]
+type = "fixed"
+from = "ground"
+to = "cable.root"
+[force.pull]
+type = "force"
+marker = "cable.tip"
+y = 1e-6
+[solver]
+end_time = "1 ms"
+)toml";
+  const auto page = folder_ / "planar.html";
+  const Outcome outcome = flexura("simulate " + mechanism.string() + " -o " +
+                                  (folder_ / "planar.h5").string() + " --html " + page.string());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  std::ifstream in(page);
+  const std::string text(std::istreambuf_iterator<char>(in), {});
+  EXPECT_THAT(text, HasSubstr(R"("body_2":"cable.element_2")"));
 }
 
 // Ctrl-C: the run ends after the step under way, with code 1 and its time; what it has is readable.
