@@ -25,7 +25,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
 endif()
 find_program(MOLD mold)
 if(MOLD)
-  add_link_options(-fuse-ld=mold)
+  # Each kind of segment on pages of its own: without it mold 1.10 begins the part that the loader makes read-only in
+  # the page before its segment, where the code ends within 64 bytes of a page and the program has thread-local data,
+  # and such a program does not start ("cannot apply additional memory protection", mold issue 1151).
+  add_link_options(-fuse-ld=mold -Wl,-z,separate-code)
 endif()
 # -O2 without -g: decompositions dominate the build time, and debug information doubles it.  The presets take clang
 # for it, which instantiates Eigen's templates in two thirds of g++'s time; the release archive is built by g++.
