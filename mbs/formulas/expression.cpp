@@ -287,10 +287,14 @@ void Expression::refuse_value(double value, double t) const {
       where_, input::shown_text(text_), std::isnan(value) ? std::abs(value) : value, t));
 }
 
-double Expression::evaluate(const double* signals) const {
-  double value = run<double>(signals, signals[0]);
+double Expression::evaluate_or_not_finite(const double* signals) const {
+  const double value = run<double>(signals, signals[0]);
   // A trial step beyond a kink that is held may leave where the formula has values: max(0, x)^1.5.
-  if (!std::isfinite(value)) value = run<double>(signals, signals[0], ~0);
+  return std::isfinite(value) ? value : run<double>(signals, signals[0], ~0);
+}
+
+double Expression::evaluate(const double* signals) const {
+  const double value = evaluate_or_not_finite(signals);
   if (!std::isfinite(value)) refuse_value(value, signals[0]);
   return value;
 }

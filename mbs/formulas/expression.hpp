@@ -69,6 +69,8 @@ class Expression {
 
   /// Throws std::runtime_error, naming the element and the time, when the result is not finite.
   double evaluate(const double* signals) const;
+  /// The same; a result that is not finite is given back.
+  double evaluate_or_not_finite(const double* signals) const;
 
   /// Its derivative by the signal in one place.
   double derivative(const double* signals, int place) const;

@@ -2,14 +2,21 @@
 #include "mbs/formulas/interval_evaluation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "mbs/formulas/operations.hpp"
 
 namespace flexura::mbs {
 
 using namespace operations;
+
+namespace {
+// Arguments of any operation but minimum and maximum.
+constexpr std::size_t kFew = 5;
+}  // namespace
 
 // Of x > 0 (or >= 0), with room for round-off of what x is made of.
 IntervalEvaluation::Truth IntervalEvaluation::positive(const Interval& x, double size) {
@@ -33,7 +40,7 @@ bool IntervalEvaluation::is_held(const FormulaNode& node) const {
 }
 
 // As Expression takes it.
-IntervalJet IntervalEvaluation::held(const FormulaNode& node, const std::vector<IntervalJet>& x) const {
+IntervalJet IntervalEvaluation::held(const FormulaNode& node, std::span<const IntervalJet> x) const {
   const double at = held_integer(static_cast<int>(signals_[node.held].value.lo));
   const IntervalJet constant{at, 0.0, 0.0};
   switch (node.code) {
@@ -96,7 +103,7 @@ IntervalJet IntervalEvaluation::rounded(int k, const Interval& x) {
   return {Interval::of(low, high), 0.0, 0.0};
 }
 
-IntervalJet IntervalEvaluation::extreme(int k, std::vector<IntervalJet>& x) {
+IntervalJet IntervalEvaluation::extreme(int k, std::span<const IntervalJet> x) {
   const bool least = tree_[k].code == minimum;
   for (std::size_t i = 0; i < x.size(); ++i) {
     bool wins = true;
@@ -123,7 +130,7 @@ IntervalJet IntervalEvaluation::extreme(int k, std::vector<IntervalJet>& x) {
   return all;
 }
 
-IntervalJet IntervalEvaluation::step(int k, const std::vector<IntervalJet>& x) {
+IntervalJet IntervalEvaluation::step(int k, std::span<const IntervalJet> x) {
   const IntervalJet &at = x[0], &x_0 = x[1], &y_0 = x[2], &x_1 = x[3], &y_1 = x[4];
   const Truth behind_0 = positive(at.value - x_0.value, at.value.magnitude() + x_0.value.magnitude()),
               behind_1 = positive(at.value - x_1.value, at.value.magnitude() + x_1.value.magnitude());
@@ -165,9 +172,12 @@ IntervalJet IntervalEvaluation::operator()(int k) {
     if (a == Truth::open || b == Truth::open) is_decided = false;
     return say(b == enough ? b : a == Truth::open ? a : b);
   }
-  std::vector<IntervalJet> x;
-  x.reserve(node.args.size());
-  for (const int arg : node.args) x.push_back((*this)(arg));
+  // On the stack: this runs in every step of an integrator.
+  std::array<IntervalJet, kFew> few;
+  std::vector<IntervalJet> many;
+  if (node.args.size() > kFew) many.resize(node.args.size());
+  const std::span<IntervalJet> x(many.empty() ? few.data() : many.data(), node.args.size());
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = (*this)(node.args[i]);
   if (is_held(node)) return held(node, x);
   switch (node.code) {
     case constant:
@@ -187,6 +197,18 @@ IntervalJet IntervalEvaluation::operator()(int k) {
         return chain(smooth_unary(exponential, x[1].value * log(x[0].value)),
                      x[1] * chain(smooth_unary(logarithm, x[0].value), x[0]));
       const double n = x[1].value.lo;
+      const Interval at = x[0].value;
+      // All powers of what is positive rise or fall, and each is the next higher one over x.
+      if (at.lo > 0.0 && at.is_finite()) {
+        double low = std::pow(at.lo, n), high = at.lo == at.hi ? low : std::pow(at.hi, n);
+        IntervalJet f;
+        f.value = {std::min(low, high), std::max(low, high)};
+        low /= at.lo, high /= at.hi;
+        f.first = Interval(n) * Interval{std::min(low, high), std::max(low, high)};
+        low /= at.lo, high /= at.hi;
+        f.second = Interval(n * (n - 1.0)) * Interval{std::min(low, high), std::max(low, high)};
+        return chain(f, x[0]);
+      }
       const auto derivative = [&](double factor, double exponent) {
         return factor == 0.0 ? Interval(0.0) : Interval(factor) * pow(x[0].value, exponent);
       };

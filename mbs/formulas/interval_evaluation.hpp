@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <vector>
+#include <span>
 
 #include "mbs/formulas/formula_tree.hpp"
 #include "mbs/formulas/interval_jet.hpp"
@@ -28,11 +28,11 @@ class IntervalEvaluation {
   static Truth truth(const IntervalJet& x);
   static IntervalJet say(Truth truth);
   bool is_held(const FormulaNode& node) const;
-  IntervalJet held(const FormulaNode& node, const std::vector<IntervalJet>& x) const;
+  IntervalJet held(const FormulaNode& node, std::span<const IntervalJet> x) const;
   IntervalJet compare(int k, const IntervalJet& a, const IntervalJet& b);
   IntervalJet rounded(int k, const Interval& x);
-  IntervalJet extreme(int k, std::vector<IntervalJet>& x);
-  IntervalJet step(int k, const std::vector<IntervalJet>& x);
+  IntervalJet extreme(int k, std::span<const IntervalJet> x);
+  IntervalJet step(int k, std::span<const IntervalJet> x);
 
   const FormulaTree& tree_;
   const IntervalJet* signals_;

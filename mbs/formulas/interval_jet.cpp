@@ -16,10 +16,13 @@ IntervalJet operator-(const IntervalJet& a, const IntervalJet& b) {
   return {a.value - b.value, a.first - b.first, a.second - b.second};
 }
 IntervalJet operator*(const IntervalJet& a, const IntervalJet& b) {
+  if (is_constant(a)) return {a.value * b.value, a.value * b.first, a.value * b.second};
+  if (is_constant(b)) return {a.value * b.value, a.first * b.value, a.second * b.value};
   return {a.value * b.value, a.first * b.value + a.value * b.first,
           a.second * b.value + Interval(2.0) * a.first * b.first + a.value * b.second};
 }
 IntervalJet operator/(const IntervalJet& a, const IntervalJet& b) {
+  if (is_constant(b)) return {a.value / b.value, a.first / b.value, a.second / b.value};
   IntervalJet c;
   c.value = a.value / b.value;
   c.first = (a.first - c.value * b.first) / b.value;

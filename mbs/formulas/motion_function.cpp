@@ -10,7 +10,8 @@ namespace flexura::mbs {
 
 using namespace operations;
 
-MotionFunction::MotionFunction(const Expression& formula) : where_(formula.where()), tree_(formula.tree()) {
+MotionFunction::MotionFunction(const Expression& formula)
+    : where_(formula.where()), formula_(formula), tree_(formula.tree()) {
   list_places();
 }
 
@@ -33,6 +34,12 @@ void MotionFunction::list_places() {
   }
   std::ranges::sort(reads_);
   reads_.erase(std::unique(reads_.begin(), reads_.end()), reads_.end());
+}
+
+double MotionFunction::at(const double* arguments) const {
+  if (formula_) return formula_->evaluate_or_not_finite(arguments);
+  const FormulaNode& curve = tree_[tree_.root];
+  return (*curve.curve)(arguments[tree_[curve.args[0]].place]);
 }
 
 IntervalJet MotionFunction::over(const IntervalJet* arguments) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ class MotionFunction {
   const std::string& where() const { return where_; }
   /// Places of the arguments, the time and what holds conditions among them.
   const std::vector<int>& reads() const { return reads_; }
+  /// Of arguments by their places; not finite where it has no value.
+  double at(const double* arguments) const;
   /// Where the arguments are within these, by their places.
   IntervalJet over(const IntervalJet* arguments) const;
 
@@ -33,6 +36,7 @@ class MotionFunction {
   void list_places();
 
   std::string where_;
+  std::optional<Expression> formula_;  // nothing: a curve
   FormulaTree tree_;
   std::vector<int> reads_;
 };

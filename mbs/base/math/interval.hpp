@@ -43,6 +43,8 @@ inline Interval operator-(const Interval& a) {
   return {-a.hi, -a.lo};
 }
 inline Interval operator*(const Interval& a, const Interval& b) {
+  const double ll = a.lo * b.lo, lh = a.lo * b.hi, hl = a.hi * b.lo, hh = a.hi * b.hi;
+  if (std::isfinite(ll + lh + hl + hh)) return {std::min({ll, lh, hl, hh}), std::max({ll, lh, hl, hh})};
   // 0 times a bound that is infinite is 0: it stands for numbers however large, not for infinity.
   const auto times = [](double x, double y) { return x == 0.0 || y == 0.0 ? 0.0 : x * y; };
   const double p[] = {times(a.lo, b.lo), times(a.lo, b.hi), times(a.hi, b.lo), times(a.hi, b.hi)};

@@ -13,6 +13,8 @@ namespace {
 constexpr double kOfRange = 0.5;
 // What is smaller beside the largest value in the step, and so far, is no peak.
 constexpr double kNothing = 1e-6;
+// States so near each other are the same: far below kNothing.
+constexpr double kSame = 1e-9;
 // Parts looked at for one function in one step; where more are wanted bounds are too wide to say anything.
 constexpr int kMostParts = 400;
 // The place at which a peak begins, in parts of the step.
@@ -47,28 +49,34 @@ PeakWatch::PeakWatch(const Equations& eq)
   std::ranges::sort(reads_);
   reads_.erase(std::unique(reads_.begin(), reads_.end()), reads_.end());
   if (reads_.empty()) return;
+  place_.setZero(reads_.back() + 1);
   paths_.resize(static_cast<std::size_t>(reads_.back()) + 1);
   jets_.resize(paths_.size());
 }
 
-IntervalJet PeakWatch::value(const MotionFunction& f, double begin, double end) {
+IntervalJet PeakWatch::over_part(const MotionFunction& f, double begin, double end) {
   const double m = 0.5 * (begin + end), w = 0.5 * (end - begin);
   for (const int place : f.reads())
     jets_[static_cast<std::size_t>(place)] = over(paths_[static_cast<std::size_t>(place)], m, w);
   return f.over(jets_.data());
 }
 
+double PeakWatch::at(const MotionFunction& f, double place) {
+  for (const int k : f.reads()) place_(k) = over(paths_[static_cast<std::size_t>(k)], place, 0.0).value.lo;
+  return f.at(place_.data());
+}
+
 std::optional<double> PeakWatch::first_peak(const MotionFunction& f, double& largest_so_far) {
   std::array<double, 4> seen;
   for (int i = 0; i < 4; ++i) {
-    const Interval at = value(f, i / 3.0, i / 3.0).value;
-    if (!at.is_finite()) return std::nullopt;
-    seen[static_cast<std::size_t>(i)] = 0.5 * (at.lo + at.hi);
+    const double value = f.at(nodes_[static_cast<std::size_t>(i)].data());
+    if (!std::isfinite(value)) return std::nullopt;
+    seen[static_cast<std::size_t>(i)] = value;
   }
   const auto [low, high] = std::ranges::minmax(seen);
   largest_so_far = std::max({largest_so_far, std::abs(low), std::abs(high)});
   const Cubic P = through(seen[0], seen[1], seen[2], seen[3]);
-  const IntervalJet whole = value(f, 0.0, 1.0);
+  const IntervalJet whole = over_part(f, 0.0, 1.0);
   const double largest =
       whole.value.is_finite() ? whole.value.magnitude() : std::max(std::abs(low), std::abs(high));
   const double room = kOfRange * (high - low) + kNothing * std::max(largest, largest_so_far);
@@ -81,32 +89,45 @@ std::optional<double> PeakWatch::first_peak(const MotionFunction& f, double& lar
     const Part part = parts.back();
     parts.pop_back();
     const double m = 0.5 * (part.begin + part.end), w = 0.5 * (part.end - part.begin);
-    const IntervalJet bounds = n == 0 ? whole : value(f, part.begin, part.end), expected = over(P, m, w);
+    const IntervalJet bounds = n == 0 ? whole : over_part(f, part.begin, part.end), expected = over(P, m, w);
     Interval off = bounds.value - expected.value;
     if (off.lo >= -room && off.hi <= room) continue;
-    const Interval here = value(f, m, m).value - over(P, m, 0.0).value;
+    const double here = at(f, m) - over(P, m, 0.0).value.lo;
     const Interval rate = bounds.first - expected.first;
-    if (rate.is_finite() && here.is_finite()) {
-      const Interval by_slope = here + rate * Interval(-w, w);
+    if (rate.is_finite() && std::isfinite(here)) {
+      const Interval by_slope = Interval(here) + rate * Interval(-w, w);
       if (by_slope.lo >= -room && by_slope.hi <= room) continue;
     }
     if (2.0 * w > kFinest) {
       parts.push_back({m, part.end});
       parts.push_back({part.begin, m});
-    } else if (here.is_finite() && (here.lo > room || here.hi < -room)) {
+    } else if (std::isfinite(here) && std::abs(here) > room) {
       return part.begin;
     }
   }
   return std::nullopt;
 }
 
+bool PeakWatch::is_end_of_last_step(const State& s) const {
+  const auto same = [](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    return a.size() == b.size() && a.isApprox(b, kSame);
+  };
+  return s.t == end_.t && s.root == end_.root && same(s.p, end_.p) && same(s.v, end_.v) &&
+         same(s.c, end_.c) && same(s.lambda, end_.lambda) && same(s.a, end_.a);
+}
+
 std::optional<double> PeakWatch::look(double t_begin, double t_end, const StateAt& state_at) {
   for (int i = 0; i < 4; ++i) {
     state_at(t_begin + (t_end - t_begin) * i / 3.0, state_);
-    eq_.arguments_of_motion(state_, *scratch_, nodes_[static_cast<std::size_t>(i)]);
+    // Where the step before ended this one begins, but for an event.
+    if (i == 0 && is_end_of_last_step(state_))
+      std::swap(nodes_.front(), nodes_.back());
+    else
+      eq_.arguments_of_motion(state_, *scratch_, nodes_[static_cast<std::size_t>(i)]);
   }
   for (const int k : reads_)
     paths_[static_cast<std::size_t>(k)] = through(nodes_[0](k), nodes_[1](k), nodes_[2](k), nodes_[3](k));
+  std::swap(end_, state_);
   std::optional<double> first;
   for (std::size_t i = 0; i < functions_.size(); ++i) {
     const auto peak = first_peak(*functions_[i], largest_(static_cast<Eigen::Index>(i)));

@@ -35,18 +35,21 @@ class PeakWatch {
 
  private:
   using Cubic = std::array<double, 4>;  // coefficients of powers of the place in the step
-  IntervalJet value(const MotionFunction& f, double begin, double end);
+  IntervalJet over_part(const MotionFunction& f, double begin, double end);
+  double at(const MotionFunction& f, double place);
+  bool is_end_of_last_step(const State& s) const;
   std::optional<double> first_peak(const MotionFunction& f, double& largest_so_far);
 
   const Equations& eq_;
   std::vector<std::shared_ptr<const MotionFunction>> functions_;
   std::vector<int> reads_;  // arguments that any reads
   std::unique_ptr<Equations::Scratch> scratch_;
-  Eigen::VectorXd largest_;  // of each function, at the points that were looked at
-  State state_;
-  std::array<Eigen::VectorXd, 4> nodes_;
-  std::vector<Cubic> paths_;       // by the places of arguments
-  std::vector<IntervalJet> jets_;  // likewise
+  Eigen::VectorXd largest_;               // of each function, at the points that were looked at
+  State state_, end_;                     // at a node; at the last of the step before
+  std::array<Eigen::VectorXd, 4> nodes_;  // arguments by their places
+  Eigen::VectorXd place_;                 // likewise, between nodes
+  std::vector<Cubic> paths_;              // by the places of arguments
+  std::vector<IntervalJet> jets_;         // likewise
 };
 
 }  // namespace flexura::mbs
