@@ -99,7 +99,7 @@ const EXEMPT = [
   ['mbs/solver/position/row_watch.cpp', 'what is added to the warning of a constraint that opens'],
   ['mbs/solver/statics/statics.cpp', 'nothing moves: there is nothing to search'],
   ['mbs/study/estimate/integrator_check.cpp', 'the sentence of the second run, with what it was run with'],
-  ['mbs/solver/run/run', 'of a state file whose checksum fits: changed by hand'],
+  ['mbs/solver/run/run_memory.cpp', 'of a state file whose checksum fits: changed by hand'],
   ['mbs/formulas/expression.cpp', 'what a formula is at a time; behind it stands where the rows before it are'],
   ['beam/section/section.cpp', 'the entry and what it is to be'],
   ['reduce/library/reduce_part.cpp', 'the key before the sentence of the modes that are struck'],

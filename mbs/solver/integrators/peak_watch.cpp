@@ -69,7 +69,8 @@ double PeakWatch::at(const MotionFunction& f, double place) {
 std::optional<double> PeakWatch::first_peak(const MotionFunction& f, double& largest_so_far) {
   std::array<double, 4> seen;
   for (int i = 0; i < 4; ++i) {
-    const double value = f.at(nodes_[static_cast<std::size_t>(i)].data());
+    // By the cubics as between the nodes: at the foot of a bump, where a switch ends steps, f is the round-off of its arguments.
+    const double value = at(f, i / 3.0);
     if (!std::isfinite(value)) return std::nullopt;
     seen[static_cast<std::size_t>(i)] = value;
   }
@@ -112,8 +113,8 @@ bool PeakWatch::is_end_of_last_step(const State& s) const {
   const auto same = [](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     return a.size() == b.size() && a.isApprox(b, kSame);
   };
-  return s.t == end_.t && s.root == end_.root && same(s.p, end_.p) && same(s.v, end_.v) &&
-         same(s.c, end_.c) && same(s.lambda, end_.lambda) && same(s.a, end_.a);
+  return nodes_.back().size() > 0 && s.t == end_.t && s.root == end_.root && same(s.p, end_.p) &&
+         same(s.v, end_.v) && same(s.c, end_.c) && same(s.lambda, end_.lambda) && same(s.a, end_.a);
 }
 
 std::optional<double> PeakWatch::look(double t_begin, double t_end, const StateAt& state_at) {

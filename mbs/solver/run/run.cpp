@@ -5,146 +5,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "mbs/solver/algebra/finite.hpp"
 #include "mbs/solver/position/assemble.hpp"
 #include "mbs/solver/position/dead_point.hpp"
 #include "mbs/solver/run/runner.hpp"
+#include "mbs/solver/run/watch/standstill.hpp"
 
 namespace flexura::mbs {
 
-namespace {
-
-// More switchings of one switch within this part of the run are an accumulation, like the last bounces of a
-// ball between impacts, or a relay whose own output takes its input back across the level.  From kManyEventsAtOnce on a
-// switch has a hysteresis.
-constexpr int kMostEventsAtOnce = 200, kManyEventsAtOnce = 20, kMostPasses = 20;
-constexpr double kAtOnce = 1e-10;
-// Kinks that come so much faster than the run are left to the error control: what trembles about a kink without
-// a jump would only be held up.
-constexpr double kTrembling = 1e-3;
-
-}  // namespace
-
-void Runner::enter_look(double t, Integrator& integrator) {
-  Instant& look = books_.next(BookEntry::Kind::look).row;
-  integrator.interpolate(t, look.state, look.v_dot);
-  books_.enter();
-}
-
-void Runner::enter_step(double t_begin, double t_end, double rows_until, Integrator& integrator) {
-  BookEntry& step = books_.next(BookEntry::Kind::step);
-  step.t_end = t_end;
-  const std::array<double, 3> times = EnergyBook::node_times(t_begin, t_end);
-  for (int i = 0; i < 3; ++i) integrator.interpolate(times[i], step.nodes[i].state, step.nodes[i].v_dot);
-  if (n_.n_lambda > 0 || callbacks_.step) integrator.interpolate(t_begin, step.begin.state, step.begin.v_dot);
-  books_.enter();
-  double seen = t_begin;
-  for (;;) {
-    if (const double look = next_look_until(rows_until); look < kNever) {
-      enter_look(std::min(look, t_end), integrator);
-      ++next_look_;
-      seen = look;
-      continue;
-    }
-    if (!next_row_is_until(rows_until)) break;
-    seen = row_time(next_row_++);
-    Instant& row = books_.next(BookEntry::Kind::row).row;
-    integrator.interpolate(std::min(seen, t_end), row.state, row.v_dot);
-    books_.enter();
-    pass_looks(seen);
-  }
-  if (seen < t_end && callbacks_.look && callbacks_.wants_look && callbacks_.wants_look(t_begin, t_end))
-    enter_look(t_end, integrator);
-  books_.next(BookEntry::Kind::end);
-  books_.enter();
-}
-
-void Runner::write_equilibria_until(double t_end, double rows_until, Integrator& integrator) {
-  for (;;) {
-    if (const double look = next_look_until(rows_until); look < kNever) {
-      integrator.interpolate(std::min(look, t_end), row_.state, row_.v_dot);
-      callbacks_.look(row_.state, row_.v_dot);
-      ++next_look_;
-      continue;
-    }
-    if (!next_row_is_until(rows_until)) break;
-    const double t = row_time(next_row_++);
-    integrator.interpolate(std::min(t, t_end), row_.state, row_.v_dot);
-    write_row(row_.state, row_.v_dot);
-    pass_looks(t);
-  }
-}
-
-// Far from t = 0 two events cannot lie closer than the round-off of the time.
-double Runner::at_once(int which) const {
-  return std::max((eq_.is_kink(which) ? kTrembling : kAtOnce) * (options_.end_time - options_.start_time),
-                  1e5 * std::numeric_limits<double>::epsilon() * std::abs(result_.state.t));
-}
-
-int Runner::switchings_at_once(int which) const {
-  const double since = result_.state.t - at_once(which);
-  int times = 0;
-  for (auto event = result_.events.rbegin(); event != result_.events.rend() && event->t > since; ++event)
-    if (event->which == which) ++times;
-  return times;
-}
-
-void Runner::end_endless(int which) {
-  const int times = switchings_at_once(which);
-  if (times <= kMostEventsAtOnce) return;
-  if (!eq_.is_kink(which))
-    throw IntegrationError(
-        fmt::format("{} switches without end at t = {:.9g} s ({} times within {:.2g} s): give the "
-                    "contact or the switch a hysteresis, damping or a compliant law",
-                    eq_.describe_root(which), result_.state.t, times, at_once(which)));
-  result_.state.root[static_cast<std::size_t>(which)] = 0;
-}
-
-// What takes a switch to and fro at once may be the round-off of its own function (teeth that graze each other at hardly any
-// speed): from then on it counts only where it is clearly below 0. A relay whose output takes its input back across the
-// level goes on as before, since it falls below that, too.
-void Runner::give_hysteresis(const std::vector<int>& roots) {
-  constexpr double kClearly = 10.0;  // of what it was below at a switching
-  const auto is_at_once = [this](int which) {
-    return !eq_.is_kink(which) && switchings_at_once(which) > kManyEventsAtOnce;
-  };
-  if (std::ranges::none_of(roots, is_at_once)) return;
-  State& s = result_.state;
-  Eigen::VectorXd values(n_.n_root);
-  eq_.roots(s, *scratch_, values);
-  if (s.hysteresis.size() == 0) s.hysteresis.setZero(n_.n_root);
-  for (const int which : roots)
-    if (is_at_once(which))
-      s.hysteresis(which) = std::max(s.hysteresis(which), kClearly * std::abs(values(which)));
-}
-
-void Runner::change_switches(const std::vector<int>& roots) {
-  State& s = result_.state;
-  give_hysteresis(roots);
-  for (const int which : roots) {
-    const bool jumped = eq_.on_root(which, s, *scratch_);
-    result_.events.push_back({s.t, which, jumped});
-  }
-  for (const int which : roots) end_endless(which);
-}
-
 void Runner::take_switches(const std::vector<int>& roots) {
-  change_switches(roots);
-  // What they changed may be what conditions in formulas look at.
-  std::vector<int> changed = roots, others;
-  Eigen::VectorXd values(n_.n_root);
-  for (int pass = 0; pass < kMostPasses; ++pass) {
-    eq_.roots(result_.state, *scratch_, values);
-    others.clear();
-    for (int k = 0; k < n_.n_root; ++k)
-      if (eq_.is_condition(k) && values(k) < 0.0 && std::ranges::find(changed, k) == changed.end())
-        others.push_back(k);
-    if (others.empty()) break;
-    change_switches(others);
-    changed = others;
-  }
+  switches_.take(roots, result_.state, result_.events);
   start_anew();
 }
 
@@ -156,7 +27,7 @@ void Runner::start_anew() {
   accelerations_.solve(s, result_.v_dot);
   books_.book().jump(s, result_.v_dot);
   start_integrator();
-  n_anchors_ = 0;
+  long_steps_.forget_beginnings();
 }
 
 // At the state reached.
@@ -170,28 +41,15 @@ void Runner::start_integrator() {
 }
 
 // What is due at this very time is passed before the next step.
-// What is a function of time has so many jumps, or bends so often, that the run would never end.
-void Runner::refuse_endless(long stops, double most, const char* what) const {
-  constexpr long kEnough = 20000;
-  if (stops != kEnough) return;
-  const double t = result_.state.t, rate = static_cast<double>(stops) / (t - stops_since_);
-  if (!(rate * (options_.end_time - t) > most)) return;
-  throw IntegrationError(
-      fmt::format("what is a function of time alone {} {:.2g} times a second ({} times until t = {:.6g} s), "
-                  "{:.1g} times until the end, and a "
-                  "step can pass none of them: write its mean over such short times, or shorten the run",
-                  what, rate, stops, t, rate * (options_.end_time - t)));
-}
-
 void Runner::look_ahead() {
   while ((stop_ = times_.next(result_.state.t)).is_due && result_.state.t < options_.end_time) pass_event();
   stop_.t = std::min(stop_.t, options_.end_time);
-  if (reach_ > 0.0 && result_.state.t + reach_ < stop_.t) {
+  if (const double reach = leaps_.reach(); reach > 0.0 && result_.state.t + reach < stop_.t) {
     stop_ = {};
-    stop_.t = result_.state.t + reach_;
+    stop_.t = result_.state.t + reach;
     return;
   }
-  if (!stop_.is_event && stop_.t < options_.end_time) refuse_endless(++bounds_, kMostBounds, "turns");
+  if (!stop_.is_event && stop_.t < options_.end_time) bounds_.count(result_.state.t);
 }
 
 // Behind it, where all that is a function of time has its new value: the state is that before, velocities that
@@ -219,7 +77,7 @@ void Runner::pass_event() {
     if (before(k) >= 0.0 && after(k) < 0.0 && before(k) - after(k) > 1e-9 * (std::abs(before(k)) - after(k)))
       roots.push_back(k);
   ++result_.time_events;
-  refuse_endless(++events_, kMostTimeEvents, "jumps or bends");
+  events_.count(s.t);
   if (roots.empty())
     start_anew();
   else
@@ -241,23 +99,19 @@ bool Runner::step_once() {
       return true;
     }
   }
-  if (is_watched_ && leaps_over_switches(end)) return true;
-  if (is_watched_ && leaps_over_peak(end)) {
+  if (is_watched_ && leaps_.over_switches(end, has_history_)) {
+    start_integrator();
+    return true;
+  }
+  if (is_watched_ && leaps_.over_peak(end, *integrator_)) {
     go_back_to_peak(end);
     return true;
   }
-  widen_reach();
-  // The longest of the last steps: what the motion allows away from the trouble.
-  good_step_ = std::max(end.t_end - end.t_begin, 0.99 * good_step_);
+  leaps_.widen();
   has_history_ = true;
-  if (n_.n_lambda > 0 && end.t_end - end.t_begin > 0.1 * good_step_) {
-    anchors_[next_anchor_].state = result_.state;
-    anchors_[next_anchor_].v_dot = result_.v_dot;
-    next_anchor_ = (next_anchor_ + 1) % kAnchors;
-    n_anchors_ = std::min(n_anchors_ + 1, kAnchors);
-  }
+  long_steps_.take(end.t_end - end.t_begin, n_.n_lambda > 0, result_.state, result_.v_dot);
   const bool goes_on = finish_step(end, *integrator_);
-  if (!end.roots.empty()) n_anchors_ = 0;
+  if (!end.roots.empty()) long_steps_.forget_beginnings();
   if (is_watched_ && method_watch_.step(options_.method, end.t_end, integrator_->counts()) &&
       (goes_on || result_.stopped_as_told))
     watch_method();
@@ -265,32 +119,28 @@ bool Runner::step_once() {
   return goes_on;
 }
 
-// Rows left out as redundant, at a time within the last step. What Newton's method left of the kept ones is
-// not theirs.
-bool Runner::contradicts(double t, Integrator& integrator) {
-  const auto judge = keeps_book_ ? RowWatch::Judge::all : RowWatch::Judge::positions;
-  integrator.interpolate(t, row_.state, row_.v_dot);
-  if (watch_.look(row_.state, judge).left_out <= 1.0) return false;
-  watch_closer_.close(row_.state);
-  const RowWatch::Opening& open = watch_.look(row_.state, judge);
-  // Near a dead point loops are not closed further.
-  return open.left_out > (open.kept <= 1e-3 ? 1.0 : RowWatch::allowed(options_.tolerance));
+// To where the peak begins, and on from there by steps that are as short as it asks.
+void Runner::go_back_to_peak(const StepEnd& end) {
+  if (leaps_.is_at_beginning(end)) {
+    start_integrator();
+    return;
+  }
+  rows_.enter_step(result_.state.t, end.t_end, end.t_end, *integrator_);
+  integrator_->interpolate(end.t_end, result_.state, result_.v_dot);
+  books_.drain();
+  books_.close(result_.state);
+  start_anew();
 }
 
 // The run ends where a row that was redundant begins to say something else; rows until then are kept.
 void Runner::stop_at_contradiction(const StepEnd& end, Integrator& integrator) {
-  double agrees = result_.state.t, contradictory = end.t_end;
-  for (int k = 0; k < 30; ++k) {
-    const double middle = 0.5 * (agrees + contradictory);
-    (contradicts(middle, integrator) ? contradictory : agrees) = middle;
-  }
-  contradicts(end.t_end, integrator);
-  result_.stopped_because = watch_.complaint(end.t_end, agrees, RowWatch::allowed(options_.tolerance));
+  const double agrees = contradictions_.last_agreement(result_.state.t, end.t_end, integrator);
+  result_.stopped_because = contradictions_.complaint();
   if (agrees <= result_.state.t) return;
   if (keeps_book_)
-    enter_step(result_.state.t, agrees, agrees, integrator);
+    rows_.enter_step(result_.state.t, agrees, agrees, integrator);
   else
-    write_equilibria_until(agrees, agrees, integrator);
+    rows_.give_equilibria(agrees, agrees, integrator);
   integrator.interpolate(agrees, result_.state, result_.v_dot);
 }
 
@@ -311,7 +161,7 @@ void Runner::leave_short_steps() {
 }
 
 bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
-  if (watch_.watches() && contradicts(end.t_end, integrator)) {
+  if (contradictions_.watches() && contradictions_.contradicts(end.t_end, integrator)) {
     bool goes_on = true;
     if (&integrator == integrator_.get() && pass_rank_loss(goes_on)) return goes_on;
     stop_at_contradiction(end, integrator);
@@ -321,10 +171,10 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
   const bool at_event = stop_.is_event && end.t_end == stop_.t && end.roots.empty();
   const double rows_until = at_event ? std::max(stop_.after, end.t_end) : end.t_end;
   if (keeps_book_) {
-    enter_step(result_.state.t, end.t_end, rows_until, integrator);
+    rows_.enter_step(result_.state.t, end.t_end, rows_until, integrator);
     integrator.interpolate(end.t_end, result_.state, result_.v_dot);
   } else {
-    write_equilibria_until(end.t_end, rows_until, integrator);
+    rows_.give_equilibria(end.t_end, rows_until, integrator);
     integrator.interpolate(end.t_end, result_.state, result_.v_dot);
     // Equilibria know nothing of the work between them: every one begins its own account.
     books_.book().start(result_.state, result_.v_dot);
@@ -363,10 +213,11 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
 
 RunResult Runner::run() {
   begin_ = std::chrono::steady_clock::now();
-  stops_since_ = result_.state.t;
-  pass_looks(result_.state.t);
+  events_.begin(result_.state.t);
+  bounds_.begin(result_.state.t);
+  rows_.times().pass_looks(result_.state.t);
   bool is_lock = false;
-  watch_.begin(result_.state);
+  contradictions_.begin(result_.state);
   books_.begin(result_.state);
   try {
     if (!resumed_) {
@@ -380,10 +231,10 @@ RunResult Runner::run() {
         if (result_.state.root != before) accelerations_.solve(result_.state, result_.v_dot);
       }
       books_.book().start(result_.state, result_.v_dot);
-      write_row(result_.state, result_.v_dot);
+      rows_.give(result_.state, result_.v_dot);
     }
     if (options_.end_time > result_.state.t) {
-      if (!resumed_ && is_watched_ && stands_still()) {
+      if (!resumed_ && is_watched_ && stands_still(eq_, options_, result_.state, *scratch_)) {
         change_method("kinematics", "nothing is free to move, the constraints hold all of it");
       } else if (!resumed_ && keeps_book_) {
         start_integrator();

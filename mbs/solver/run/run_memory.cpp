@@ -65,7 +65,7 @@ void Runner::resume(const Continuation& from) {
         "the state to go on from is that at t = {:.9g} s, and the run goes from {:.9g} to {:.9g} s: "
         "give the start_time of the run that was saved and a later end_time",
         s.t, options_.start_time, options_.end_time));
-  const long next = next_row_at(s.t, from.next_row);
+  rows_.times().go_on_from(s.t, from.next_row);
   result_.state = s;
   result_.v_dot = from.v_dot;
   History history(opened(from.history));
@@ -78,7 +78,6 @@ void Runner::resume(const Continuation& from) {
         "the integrator's history is longer than this mechanism needs: it was saved by another one; start "
         "from the states alone (--from-state)");
   books_.book().resume(from.energy, s.t);
-  next_row_ = next;
   resumed_ = has_history_ = true;
 }
 
@@ -88,24 +87,7 @@ void Runner::resume(const RunMemory& from) {
   counts_at_once_ = integrator_->counts();
   result_.counts.singular_crossings = from.counts.singular_crossings;
   result_.events = from.events;
-  good_step_ = from.good_step;
-}
-
-// The first row that was not given away at t, as the file says; throws where that cannot be.
-long Runner::next_row_at(double t, long said) const {
-  const double nearly = 1e-9 * options_.output_step + 1e-14 * std::abs(t);
-  // A step may end an ulp before or behind a row.
-  if (said >= 1 && said <= n_rows_ + 2 && row_time(said - 1) <= t + nearly && row_time(said) >= t - nearly)
-    return said;
-  long k =
-      std::clamp(static_cast<long>((t - options_.start_time) / options_.output_step) - 1, 1L, n_rows_ + 1);
-  while (row_time(k) <= t + nearly && row_time(k) > row_time(k - 1)) ++k;
-  if (said == k + 1) return k;  // saved at an end beside the rows' grid, which gave a row of its own
-  throw std::invalid_argument(
-      fmt::format("the next row is said to be number {}, and after t = {:.9g} s it is number {}: the file "
-                  "was changed, or "
-                  "start_time or output_step are others than in the run that was saved",
-                  said, t, k));
+  long_steps_.set_longest(from.good_step);
 }
 
 // The integrator's memory holds no counts: what it has counted since it took its history up is added.
@@ -123,35 +105,8 @@ StepCounts Runner::counts() const {
 // What the run itself remembers beside its integrator.
 void Runner::remember_own(History& history) {
   method_watch_.remember(history);
-  peak_watch_.remember(history);
-  history(reach_);
-  std::vector<int> harmless(harmless_.begin(), harmless_.end());
-  StepEnd leapt = leapt_.value_or(StepEnd());
-  history(harmless);
-  history(leapt.t_begin);
-  history(leapt.t_end);
-  history(leapt.roots);
-  if (history.reads()) {
-    harmless_ = std::set<int>(harmless.begin(), harmless.end());
-    leapt_ = leapt.roots.empty() ? std::nullopt : std::optional(leapt);
-  }
-  for (Instant& anchor : anchors_) {
-    history(anchor.state);
-    history(anchor.v_dot);
-  }
-  long n = static_cast<long>(n_anchors_), next = static_cast<long>(next_anchor_);
-  history(n);
-  history(next);
-  if (!history.reads()) return;
-  require_between(n, 0, kAnchors);
-  require_between(next, 0, kAnchors - 1);
-  n_anchors_ = static_cast<std::size_t>(n);
-  next_anchor_ = static_cast<std::size_t>(next);
-  for (std::size_t back = 1; back <= n_anchors_; ++back) {
-    const Instant& anchor = anchors_[(next_anchor_ + kAnchors - back) % kAnchors];
-    require_sizes(anchor.state, n_);
-    require_size(anchor.v_dot.size(), n_.n_v);
-  }
+  leaps_.remember(history);
+  long_steps_.remember(history, n_);
 }
 
 // Nothing of the run changes by this: what the run gives away is closed in other places.
@@ -162,14 +117,14 @@ void Runner::hand_out_memory() {
   books_.closer().remember(history);
   remember_own(history);
   integrator_->remember(history);
-  m.continuation = {options_.method,         result_.state, result_.v_dot,
-                    books_.book().account(), next_row_,     sealed(history.values())};
+  m.continuation = {options_.method,         result_.state,        result_.v_dot,
+                    books_.book().account(), rows_.times().next(), sealed(history.values())};
   m.counts = counts();
   const Bookkeeper::Peaks& peaks = books_.peaks();
   m.largest_energy_error = std::max(before_.largest_energy_error, peaks.energy_error);
   m.peak_position_drift = std::max(before_.peak_position_drift, peaks.drift.position);
   m.peak_velocity_drift = std::max(before_.peak_velocity_drift, peaks.drift.velocity);
-  m.good_step = good_step_;
+  m.good_step = long_steps_.longest();
   m.wall_time =
       before_.wall_time + std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
   m.events = result_.events;
@@ -193,7 +148,7 @@ void Runner::remember() {
   c.state = result_.state;
   c.v_dot = result_.v_dot;
   c.energy = books_.book().account();
-  c.next_row = next_row_;
+  c.next_row = rows_.times().next();
 }
 
 RunResult run(const Equations& eq, const State& start, const Eigen::VectorXd& v_dot,

@@ -5,12 +5,11 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "mbs/solver/accuracy/scales.hpp"
 #include "mbs/solver/algebra/finite.hpp"
-#include "mbs/solver/algebra/saddle.hpp"
 #include "mbs/solver/position/dead_point.hpp"
 #include "mbs/solver/run/make_integrator.hpp"
 #include "mbs/solver/run/runner.hpp"
+#include "mbs/solver/run/watch/standstill.hpp"
 
 /// Where an integrator does not come on, or another would come on faster: steps across singular positions, where constraints
 /// lose rank, and changes of the method.
@@ -20,6 +19,18 @@ namespace {
 
 constexpr int kMostCrossings = 1000;
 constexpr std::size_t kMostChanges = 20;
+
+// The velocity that changes most, in its usual size.
+std::string fastest(const Equations& eq, const Eigen::VectorXd& v_dot) {
+  int which = -1;
+  double most = 0.0;
+  for (int i = 0; i < v_dot.size(); ++i)
+    if (const double rate = std::abs(v_dot(i)) / eq.velocity_scale(i); rate > most) {
+      most = rate;
+      which = i;
+    }
+  return which < 0 ? "a state of an element" : "\"" + eq.name_of_velocity(which) + "\"";
+}
 
 }  // namespace
 
@@ -57,19 +68,7 @@ void Runner::refuse_creeping() const {
   throw IntegrationError(fmt::format(
       "{}: something there is stiffer or faster by far than the run is long ({} changes fastest); give it "
       "a more compliant law or more damping, loosen the tolerance, or take another method",
-      creeps, fastest()));
-}
-
-// The velocity that changes most, in its usual size.
-std::string Runner::fastest() const {
-  int which = -1;
-  double most = 0.0;
-  for (int i = 0; i < n_.n_v; ++i)
-    if (const double rate = std::abs(result_.v_dot(i)) / eq_.velocity_scale(i); rate > most) {
-      most = rate;
-      which = i;
-    }
-  return which < 0 ? "a state of an element" : "\"" + eq_.name_of_velocity(which) + "\"";
+      creeps, fastest(eq_, result_.v_dot)));
 }
 
 bool Runner::change_after(const IntegrationError& reason) {
@@ -81,39 +80,6 @@ bool Runner::change_after(const IntegrationError& reason) {
   if (method.empty()) return false;
   change_method(method, reason.what());
   return true;
-}
-
-// At rest, and every freedom is held by rows that do not move: there is nothing to integrate, and what an integrator
-// makes of the round-off of such rows has no smallest step (IDA: 1e-9 s, for minutes).
-bool Runner::stands_still() const {
-  constexpr double kHeld = 1e-6;    // of the rows' independence: what parts are made to
-  constexpr double kClosed = 1e-8;  // and so much of the length: how far from a closed position it may stand
-  constexpr int kGlances = 100;     // at rows that begin to move later
-  const State& s = result_.state;
-  if (n_.n_v == 0 || n_.n_lambda < n_.n_v || n_.n_dyn > 0 || n_.n_alg > 0 || !s.v.isZero(1e-12)) return false;
-  for (int k = 0; k < n_.n_root; ++k)
-    if (!eq_.is_condition(k)) return false;
-  for (int k = 0; k < n_.n_lambda; ++k)
-    if (!eq_.is_holonomic(k)) return false;
-  Eigen::VectorXd g_t(n_.n_lambda);
-  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(n_.n_v);
-  for (int k = 0; k <= kGlances; ++k) {
-    const double t = options_.start_time + (options_.end_time - options_.start_time) * k / kGlances;
-    eq_.velocity_constraints(t, s.p, rest, *scratch_, g_t);
-    if (!g_t.isZero(0.0)) return false;
-  }
-  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n_.n_v, n_.n_v), G = Eigen::MatrixXd::Zero(n_.n_lambda, n_.n_v);
-  eq_.mass_matrix(s.p, *scratch_, M);
-  eq_.constraint_matrix(s, s.p, *scratch_, G);
-  SaddleSolver rows;
-  rows.factor(eq_, M, G);
-  if (rows.rank() < n_.n_v || !(rows.independence() > kHeld)) return false;
-  // Where positions are closed near a double root, what is left open is far from closed along what the rows hardly
-  // hold, and to close it once more would move it (a parallelogram whose third crank fits by 1e-10).
-  Eigen::VectorXd g(n_.n_lambda);
-  eq_.position_constraints(s, s.p, *scratch_, g);
-  const double length = options_.scales ? options_.scales->length : 1.0;
-  return g.lpNorm<Eigen::Infinity>() <= kClosed * length * rows.independence();
 }
 
 void Runner::change_method(const std::string& method, const std::string& why) {
@@ -153,15 +119,14 @@ bool Runner::cross_singularity(const IntegrationError& reason) {
 bool Runner::leap_across(double least_way, bool& goes_on) {
   const double t_failed = result_.state.t;
   has_history_ = false;
-  for (std::size_t back = 0; back <= n_anchors_; ++back) {
-    const Instant from = back == 0 ? Instant{result_.state, result_.v_dot}
-                                   : anchors_[(next_anchor_ + kAnchors - back) % kAnchors];
+  for (std::size_t back = 0; back <= long_steps_.n_beginnings(); ++back) {
+    const Instant from = back == 0 ? Instant{result_.state, result_.v_dot} : long_steps_.beginning(back);
     goes_on = true;
     if (!leap(from, goes_on)) continue;
     if (!goes_on) return true;
     if (result_.state.t - t_failed < least_way) continue;
     ++result_.counts.singular_crossings;
-    n_anchors_ = 0;
+    long_steps_.forget_beginnings();
     start_integrator();
     goes_on = result_.state.t < options_.end_time;
     return true;
@@ -177,13 +142,7 @@ bool Runner::pass_rank_loss(bool& goes_on) {
   if (!kind_of(options_).is_implicit || n_.n_lambda == 0 ||
       result_.counts.singular_crossings >= kMostCrossings)
     return false;
-  const State& s = result_.state;
-  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n_.n_v, n_.n_v), G = Eigen::MatrixXd::Zero(n_.n_lambda, n_.n_v);
-  eq_.mass_matrix(s.p, *scratch_, M);
-  eq_.constraint_matrix(s, s.p, *scratch_, G);
-  SaddleSolver rows;
-  rows.factor(eq_, M, G);
-  if (rows.independence() > kNearlyLost) return false;
+  if (independence_of_rows(eq_, result_.state, *scratch_, nullptr) > kNearlyLost) return false;
   try {
     return leap_across(0.0, goes_on);
   } catch (const std::runtime_error&) {
@@ -198,7 +157,7 @@ bool Runner::leap(const Instant& from, bool& goes_on) {
   explicit_options.method_is_open = false;
   // Steps that the implicit method took at order five or below are easy for this one; error control would
   // creep into the singular position instead of over it.
-  explicit_options.fixed_step = std::max(0.5 * good_step_, 1.5 * (result_.state.t - from.state.t));
+  explicit_options.fixed_step = std::max(0.5 * long_steps_.longest(), 1.5 * (result_.state.t - from.state.t));
   explicit_options.max_step = 0.0;
   hopper_ = make_integrator(eq_, explicit_options);
   State s = from.state;
@@ -229,66 +188,6 @@ bool Runner::leap(const Instant& from, bool& goes_on) {
     if (!goes_on || !end.roots.empty() || result_.time_events > passed) return true;
   }
   return came_on;
-}
-
-// A first step behind a switch that would have been twice as long as what leads to the next one knows little of what is
-// between them, like the impact of a bullet: it is made again, no longer than a part of that.  Where that comes to the same,
-// as for a controller's samples, these switches are taken as they come from then on.
-bool Runner::leaps_over_switches(const StepEnd& end) {
-  constexpr double kOfStep = 0.5, kNext = 0.25, kShortest = 1e-13, kSame = 1e-3;
-  if (end.roots.empty()) return false;
-  const double h = end.t_end - end.t_begin;
-  if (leapt_ && leapt_->roots == end.roots &&
-      std::abs(end.t_end - leapt_->t_end) <= kSame * (leapt_->t_end - leapt_->t_begin))
-    harmless_.insert(end.roots.begin(), end.roots.end());
-  const bool is_known = std::ranges::all_of(end.roots, [&](int k) { return harmless_.contains(k); });
-  if (has_history_ || is_known || !(h < kOfStep * (end.t_tried - end.t_begin)) ||
-      !(h > kShortest * (options_.end_time - options_.start_time))) {
-    leapt_.reset();
-    return false;
-  }
-  leapt_ = end;
-  reach_ = kNext * h;
-  start_integrator();
-  return true;
-}
-
-// Whether the step leapt over a peak of a force; it then ends where that begins.
-bool Runner::leaps_over_peak(StepEnd& end) {
-  if (!peak_watch_.watches()) return false;
-  constexpr double kShortest = 1e-13;
-  const double duration = options_.end_time - options_.start_time, h = end.t_end - end.t_begin;
-  const auto part =
-      h > kShortest * duration
-          ? peak_watch_.look(end.t_begin, end.t_end,
-                             [&](double t, State& s) { integrator_->interpolate(t, s, row_.v_dot); })
-          : std::nullopt;
-  if (!part) return false;
-  end.t_end = end.t_begin + *part * h;
-  end.roots.clear();
-  reach_ = 0.125 * h;
-  return true;
-}
-
-// Behind a step that saw all there was.
-void Runner::widen_reach() {
-  reach_ *= 2.0;
-  if (reach_ > options_.end_time - options_.start_time) reach_ = 0.0;
-}
-
-// To where the peak begins, and on from there by steps that are as short as it asks.
-void Runner::go_back_to_peak(const StepEnd& end) {
-  // Closer to the beginning of a step it is that of the peak.
-  constexpr double kBeside = 1e-3;
-  if (end.t_end - end.t_begin > kBeside * 8.0 * reach_) {
-    enter_step(result_.state.t, end.t_end, end.t_end, *integrator_);
-    integrator_->interpolate(end.t_end, result_.state, result_.v_dot);
-    books_.drain();
-    books_.close(result_.state);
-    start_anew();
-  } else {
-    start_integrator();
-  }
 }
 
 }  // namespace flexura::mbs

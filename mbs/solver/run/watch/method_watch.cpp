@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/run/method_watch.hpp"
+#include "mbs/solver/run/watch/method_watch.hpp"
 
 #include <fmt/format.h>
 

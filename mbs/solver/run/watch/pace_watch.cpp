@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/solver/run/pace_watch.hpp"
+#include "mbs/solver/run/watch/pace_watch.hpp"
 
 namespace flexura::mbs {
 
