@@ -179,9 +179,7 @@ class Preparation {
     if (!problem_) problem_.emplace(se_, ties_);
     return *problem_;
   }
-  static PreparationCache::Matrices matrices_of(ModeSet modes) {
-    return {std::move(modes.Y), std::move(modes.omega2)};
-  }
+  static PreparationCache::Matrices matrices_of(ModeSet modes) { return {std::move(modes.Y), modes.omega2}; }
   static ModeSet modes_of(const std::shared_ptr<const PreparationCache::Matrices>& entry) {
     return {(*entry)[0], (*entry)[1].col(0)};
   }

@@ -27,8 +27,8 @@ Eigen::MatrixXd difference_weights(const std::vector<double>& places, int at, co
   const int n = stencil.n;
   Eigen::MatrixXd powers(n, n), wanted = Eigen::MatrixXd::Zero(n, 2);
   for (int j = 0; j < n; ++j) {
-    const double x =
-        (places[static_cast<std::size_t>(stencil.first + j)] - places[static_cast<std::size_t>(at)]) / h;
+    const int node = stencil.first + j;
+    const double x = (places[static_cast<std::size_t>(node)] - places[static_cast<std::size_t>(at)]) / h;
     double power = 1.0;
     for (int k = 0; k < n; ++k, power *= x) powers(k, j) = power;
   }

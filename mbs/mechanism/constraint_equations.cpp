@@ -33,7 +33,8 @@ void ConstraintEquations::start_followed(State& s, const std::vector<bool>& give
     const RowPlace row = m_.rows.place_of_row(m_.rows.first_row(follower.constraint));
     if (row.driven < 0 || follower.what.level == DriveLevel::acceleration) continue;
     const JointPlace& joint = m_.tree.places[static_cast<std::size_t>(row.joint)];
-    if (!joint.in_tree() || given_v[static_cast<std::size_t>(joint.i_v + row.driven)]) continue;
+    const int speed = joint.i_v + row.driven;
+    if (!joint.in_tree() || given_v[static_cast<std::size_t>(speed)]) continue;
     const Jet& y = work.rows.followed.of_constraints[follower.constraint];
     s.v(joint.i_v + row.driven) = follower.what.level == DriveLevel::position ? y.first : y.value;
   }

@@ -167,8 +167,9 @@ void PlanarBeam::node_motion(int node, const double* s, const double* s_dot, con
   const auto i = static_cast<std::size_t>(node);
   if (!s_dot) s_ddot = nullptr;
   thread_local PlanarChain::Pass pass;
-  pass.points.resize(static_cast<std::size_t>(PlanarChain::kPoints * chain_.elements()));
-  pass.ends.resize(static_cast<std::size_t>(chain_.elements() + 1));
+  const auto n = static_cast<std::size_t>(chain_.elements());
+  pass.points.resize(PlanarChain::kPoints * n);
+  pass.ends.resize(n + 1);
   chain_.move(s, s_dot, s_ddot, pass, places_[i].element + 1);
   const Element::Motion at = chain_.motion(places_[i], s, s_dot, s_ddot, pass);
   chain_.map(places_[i], in_plane(at.p), pass, out.map);

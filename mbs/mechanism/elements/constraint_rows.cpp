@@ -124,7 +124,8 @@ void ConstraintRows::list_kinds(Motion& motion, RowValues& rows, std::vector<boo
     const bool follows = constraint.following().formula != nullptr;
     if (!follows) constraint.rate(motion.kin, rows.g.data() + first_row_[k]);
     for (int i = 0; i < constraint.n_rows(); ++i) {
-      const auto row = static_cast<std::size_t>(first_row_[k] + i);
+      const int place = first_row_[k] + i;
+      const auto row = static_cast<std::size_t>(place);
       of_positions[row] = constraint.is_holonomic(i);
       lasts[row] =
           of_positions[row] && !follows && !constraint.reads_time(i) && rows.g(first_row_[k] + i) == 0.0;

@@ -1,4 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/import/nastran/nastran_bars.hpp"
+
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -6,16 +8,15 @@
 #include <stdexcept>
 
 #include "mesh/import/bar_sections.hpp"
-#include "mesh/import/nastran/nastran_reader.hpp"
 
 namespace flexura::mesh {
 
 using Eigen::Vector3d;
 
-ImportedBar NastranReader::shaped_section(const Card& card) {
+ImportedBar NastranBars::shaped_section(const Card& card) {
   const std::string type = card.text(3);
   ImportedBar bar;
-  bar.material = material(card.integer(1), card.where);
+  bar.material = deck_.material(card.integer(1), card.where);
   std::size_t n = 0;
   Eigen::Vector2d shear_centre;
   try {
@@ -34,7 +35,7 @@ ImportedBar NastranReader::shaped_section(const Card& card) {
   if (card.name == "PBEAML") {  // CBAR knows one centre only
     bar.centroid = -shear_centre;
     if (type == "BOX1")
-      approximated_.add("PBEAML BOX1: its shear centre is taken at the centroid", card.where);
+      deck_.approximated.add("PBEAML BOX1: its shear centre is taken at the centroid", card.where);
   }
   bar.extra_mass_per_length = card.real(8 + n, 0);
   for (std::size_t k = 8 + n + 1; card.name == "PBEAML" && k < card.fields.size(); ++k)
@@ -43,36 +44,36 @@ ImportedBar NastranReader::shaped_section(const Card& card) {
       bool same = card.text(k).rfind("YES", 0) == 0;
       for (std::size_t d = 0; d < n; ++d)
         same = same && (card.blank(k + 2 + d) || card.real(k + 2 + d) == card.real(8 + d, 0));
-      if (!same) approximated_.add("PBEAML's stations: end A is used all along", card.where);
+      if (!same) deck_.approximated.add("PBEAML's stations: end A is used all along", card.where);
       break;
     }
   return bar;
 }
 
 // C1, C2 to F1, F2 of PBAR and PBEAM.
-std::vector<Eigen::Vector2d> NastranReader::stress_points(const Card& card) {
+std::vector<Eigen::Vector2d> NastranBars::stress_points(const Card& card) {
   std::vector<Eigen::Vector2d> points;
   for (std::size_t k = 8; k < 16; k += 2) points.emplace_back(card.real(k, 0), card.real(k + 1, 0));
   return hull(std::move(points));
 }
 
-void NastranReader::read_rods() {
+void NastranBars::read_rods() {
   std::map<std::int64_t, const Card*> properties;
-  for (const Card* card : all("PROD")) properties.emplace(card->integer(0), card);
+  for (const Card* card : deck_.all("PROD")) properties.emplace(card->integer(0), card);
   const auto add = [&](const Card& card, std::size_t nodes, std::int64_t mid, const Card& from,
                        std::size_t first) {
     ImportedBar rod;
     rod.label = card.integer(0);
-    rod.nodes = {builder_.node(0, card.integer(nodes), card.where),
-                 builder_.node(0, card.integer(nodes + 1), card.where)};
-    rod.material = material(mid, from.where);
+    rod.nodes = {deck_.node(card.integer(nodes), card.where),
+                 deck_.node(card.integer(nodes + 1), card.where)};
+    rod.material = deck_.material(mid, from.where);
     rod.A = from.real(first);
     rod.J = from.real(first + 1, 0);
     rod.extra_mass_per_length = from.real(first + 3, 0);
     require_section(rod, fmt::format("{} {}", card.name, rod.label), from.where);
-    model_.bars.push_back(rod);
+    deck_.model.bars.push_back(rod);
   };
-  for (const Card* card : all("CROD")) {
+  for (const Card* card : deck_.all("CROD")) {
     const std::int64_t property = card->integer(1, card->integer(0));
     const auto found = properties.find(property);
     if (found == properties.end())
@@ -80,15 +81,14 @@ void NastranReader::read_rods() {
                                               card->where.text(), property, card->integer(0)));
     add(*card, 2, found->second->integer(1), *found->second, 2);
   }
-  for (const Card* card : all("CONROD")) add(*card, 1, card->integer(3), *card, 4);
-  read_tubes();
+  for (const Card* card : deck_.all("CONROD")) add(*card, 1, card->integer(3), *card, 4);
 }
 
 // CTUBE, PTUBE: a rod of outer diameter OD and wall T, solid without one.
-void NastranReader::read_tubes() {
+void NastranBars::read_tubes() {
   std::map<std::int64_t, const Card*> properties;
-  for (const Card* card : all("PTUBE")) properties.emplace(card->integer(0), card);
-  for (const Card* card : all("CTUBE")) {
+  for (const Card* card : deck_.all("PTUBE")) properties.emplace(card->integer(0), card);
+  for (const Card* card : deck_.all("CTUBE")) {
     const std::int64_t property = card->integer(1, card->integer(0));
     const auto found = properties.find(property);
     if (found == properties.end())
@@ -101,128 +101,23 @@ void NastranReader::read_tubes() {
       throw std::invalid_argument(
           fmt::format("{}: PTUBE {} has the wall {:g}; it must be from 0 to half of OD = {:g}",
                       of.where.text(), property, wall, outer));
-    if (second != outer) approximated_.add("PTUBE's OD2 other than OD: OD is used all along", of.where);
+    if (second != outer) deck_.approximated.add("PTUBE's OD2 other than OD: OD is used all along", of.where);
     const BarSection s = wall > 0 && wall < outer / 2 ? tube(outer / 2, outer / 2 - wall) : circle(outer / 2);
     ImportedBar rod;
     rod.label = card->integer(0);
-    rod.nodes = {builder_.node(0, card->integer(2), card->where),
-                 builder_.node(0, card->integer(3), card->where)};
-    rod.material = material(of.integer(1), of.where);
+    rod.nodes = {deck_.node(card->integer(2), card->where), deck_.node(card->integer(3), card->where)};
+    rod.material = deck_.material(of.integer(1), of.where);
     rod.A = s.A, rod.J = s.J;
     rod.extra_mass_per_length = of.real(4, 0);
-    model_.bars.push_back(rod);
+    deck_.model.bars.push_back(rod);
   }
 }
 
-void NastranReader::add_scalar_spring(const Card& card, double stiffness, std::size_t first) {
-  const std::int64_t a = card.integer(first, 0), b = card.integer(first + 2, 0);
-  if (a == 0 || b == 0) {
-    unused_.add(card.name + " to the ground (a superelement is a free body)", card.where);
-    return;
-  }
-  const std::int64_t c = card.integer(first + 1, 0);
-  if (c != card.integer(first + 3, 0) || c < 1 || c > 6)
-    throw std::invalid_argument(fmt::format(
-        "{}: {} {} joins component {} of one node to {} of the other; equal ones from 1 to 6 are read",
-        card.where.text(), card.name, card.integer(0), c, card.integer(first + 3, 0)));
-  ImportedSpring spring{.label = card.integer(0)};
-  spring.nodes = {builder_.node(0, a, card.where), builder_.node(0, b, card.where)};
-  require_not_negative(stiffness, fmt::format("{} {}", card.name, spring.label), "stiffness", card.where);
-  spring.stiffness[static_cast<std::size_t>(c - 1)] = stiffness;
-  spring.R = axes_at(a, card.where);
-  if (!spring.R.isApprox(axes_at(b, card.where), 1e-9))
-    throw std::invalid_argument(
-        fmt::format("{}: {} {} joins nodes whose displacement axes (CD) differ; equal ones are read",
-                    card.where.text(), card.name, card.integer(0)));
-  const Vector3d line = systems_.grid_place(b, card.where) - systems_.grid_place(a, card.where);
-  if (c < 4 && line.cross(spring.R.col(static_cast<Eigen::Index>(c - 1))).norm() > 1e-9 * line.norm())
-    throw std::invalid_argument(
-        fmt::format("{}: {} {} acts in direction {} between nodes that do not lie one behind the other in "
-                    "it, so that a "
-                    "turn of the whole body would strain it; use CBUSH",
-                    card.where.text(), card.name, card.integer(0), c));
-  model_.springs.push_back(spring);
-}
-
-// Components are in the displacement axes of the element's first node, or, where OFFT says so, in the basic system.
-Vector3d NastranReader::orientation(const Card& card, const Vector3d& from, const Eigen::Matrix3d& axes) {
-  if (!card.blank(4) && card.blank(5) && card.blank(6) && !card.is_real(4))
-    return systems_.grid_place(card.integer(4), card.where) - from;
-  return axes * Vector3d(card.real(4, 0), card.real(5, 0), card.real(6, 0));
-}
-
-void NastranReader::read_springs() {
-  std::map<std::int64_t, double> elas;
-  for (const Card* card : all("PELAS"))
-    for (const std::size_t k : {0u, 4u})
-      if (!card->blank(k)) elas[card->integer(k)] = card->real(k + 1);
-  for (const Card* card : all("CELAS1")) {
-    const std::int64_t property = card->integer(1, card->integer(0));
-    if (!elas.contains(property))
-      throw std::invalid_argument(fmt::format("{}: property {} of CELAS1 {} is no PELAS of this file",
-                                              card->where.text(), property, card->integer(0)));
-    add_scalar_spring(*card, elas[property], 2);
-  }
-  for (const Card* card : all("CELAS2")) add_scalar_spring(*card, card->real(1), 2);
-
-  std::map<std::int64_t, std::array<double, 6>> bush;
-  for (const Card* card : all("PBUSH"))
-    for (std::size_t k = 1; k < card->fields.size(); k += 8) {
-      if (card->text(k) == "K") {
-        auto& stiffness = bush[card->integer(0)];
-        for (std::size_t d = 0; d < 6; ++d) stiffness[d] = card->real(k + 1 + d, 0);
-      } else if (card->text(k) == "M") {
-        approximated_.add("PBUSH's M: the mass that it adds is missing", card->where);
-      } else if (!card->blank(k)) {
-        unused_.add("PBUSH's " + card->text(k), card->where);
-      }
-    }
-  for (const Card* card : all("CBUSH")) {
-    const std::int64_t property = card->integer(1, card->integer(0));
-    if (!bush.contains(property))
-      throw std::invalid_argument(fmt::format("{}: property {} of CBUSH {} is no PBUSH with K of this file",
-                                              card->where.text(), property, card->integer(0)));
-    if (card->blank(3) || card->integer(3) == 0) {
-      unused_.add("CBUSH to the ground (a superelement is a free body)", card->where);
-      continue;
-    }
-    add_bush(*card, bush[property]);
-  }
-}
-
-void NastranReader::add_bush(const Card& card, const std::array<double, 6>& stiffness) {
-  ImportedSpring spring{.label = card.integer(0)};
-  spring.nodes = {builder_.node(0, card.integer(2), card.where),
-                  builder_.node(0, card.integer(3), card.where)};
-  for (const double k : stiffness)
-    require_not_negative(k, fmt::format("CBUSH {}", spring.label), "stiffness", card.where);
-  spring.stiffness = stiffness;
-  const Vector3d a = systems_.grid_place(card.integer(2), card.where),
-                 line = systems_.grid_place(card.integer(3), card.where) - a;
-  if (!card.blank(7)) {
-    spring.R = systems_.system(card.integer(7), card.where).axes_at(a);
-  } else if (line.norm() > 0) {  // x along the line, y in the plane of the orientation
-    Vector3d v = orientation(card, a, axes_at(card.integer(2), card.where));
-    const bool along_alone = stiffness[1] == 0 && stiffness[2] == 0 && stiffness[4] == 0 && stiffness[5] == 0;
-    if (along_alone && v.cross(line).norm() == 0) v = line.unitOrthogonal();
-    if (!(v.cross(line).norm() > 1e-9 * v.norm() * line.norm()))
-      throw std::invalid_argument(
-          fmt::format("{}: CBUSH {} has no orientation vector", card.where.text(), card.integer(0)));
-    const Vector3d x = line.normalized(), z = x.cross(v).normalized();
-    spring.R << x, z.cross(x), z;
-  }
-  spring.place = card.real(8, 0.5);
-  if (!card.blank(9) && card.integer(9) >= 0)
-    spring.at = systems_.system(card.integer(9), card.where)
-                    .place({card.real(10, 0), card.real(11, 0), card.real(12, 0)});
-  model_.springs.push_back(spring);
-}
-
-ImportedBar NastranReader::section(std::int64_t property, const Card& bar) {
-  for (const Card* card : all("PBAR")) {
+ImportedBar NastranBars::section(std::int64_t property, const Card& bar) {
+  for (const Card* card : deck_.all("PBAR")) {
     if (card->integer(0) != property) continue;
     ImportedBar s;
-    s.material = material(card->integer(1), card->where);
+    s.material = deck_.material(card->integer(1), card->where);
     s.A = card->real(2, 0);
     s.I_zz = card->real(3, 0);  // plane 1 is the x-y plane
     s.I_yy = card->real(4, 0);
@@ -234,10 +129,10 @@ ImportedBar NastranReader::section(std::int64_t property, const Card& bar) {
     s.outline = stress_points(*card);
     return s;
   }
-  for (const Card* card : all("PBEAM")) {
+  for (const Card* card : deck_.all("PBEAM")) {
     if (card->integer(0) != property) continue;
     ImportedBar s;
-    s.material = material(card->integer(1), card->where);
+    s.material = deck_.material(card->integer(1), card->where);
     s.A = card->real(2);
     s.I_zz = card->real(3);
     s.I_yy = card->real(4);
@@ -267,11 +162,11 @@ ImportedBar NastranReader::section(std::int64_t property, const Card& bar) {
     for (Eigen::Vector2d& point : s.outline) point -= s.centroid;  // given from the line of shear centres
     for (const std::size_t k : {8u, 9u, 12u, 13u})
       tapered = tapered || (!card->blank(at + k + 2) && card->real(at + k + 2) != card->real(at + k, 0));
-    if (tapered) approximated_.add("PBEAM's taper: end A is used all along", card->where);
+    if (tapered) deck_.approximated.add("PBEAM's taper: end A is used all along", card->where);
     return s;
   }
   for (const char* name : {"PBARL", "PBEAML"})
-    for (const Card* card : all(name))
+    for (const Card* card : deck_.all(name))
       if (card->integer(0) == property) return shaped_section(*card);
   throw std::invalid_argument(
       fmt::format("{}: property {} of {} {} is no PBAR, PBARL, PBEAM or PBEAML of this file",
@@ -280,7 +175,7 @@ ImportedBar NastranReader::section(std::int64_t property, const Card& bar) {
 
 // OFFT, three letters: of the orientation (G displacement axes, B basic system) and of the offset at each end (G, O: the
 // element's own axes, x from node to node and y in the plane of the orientation).
-std::string NastranReader::axes_of_vectors(const Card& card, const Card* defaults) {
+std::string NastranBars::axes_of_vectors(const Card& card, const Card* defaults) {
   std::string offt = card.text(7);
   if (offt.empty() && defaults) offt = defaults->text(7);
   if (offt.empty() || card.is_real(7)) return "GGG";  // CBEAM has BIT there, too
@@ -293,23 +188,28 @@ std::string NastranReader::axes_of_vectors(const Card& card, const Card* default
   return offt;
 }
 
-void NastranReader::read_bars() {
+void NastranBars::read() {
+  read_bars();
+  read_rods();
+  read_tubes();
+}
+
+void NastranBars::read_bars() {
   for (const char* name : {"CBAR", "CBEAM"}) {
-    const std::vector<const Card*>& given = all(std::string(name) == "CBAR" ? "BAROR" : "BEAMOR");
+    const std::vector<const Card*>& given = deck_.all(std::string(name) == "CBAR" ? "BAROR" : "BEAMOR");
     const Card* defaults = given.empty() ? nullptr : given.front();
-    for (const Card* card : all(name)) {
+    for (const Card* card : deck_.all(name)) {
       const std::int64_t id = card->integer(0);
       ImportedBar bar = section(card->integer(1, defaults ? defaults->integer(1, id) : id), *card);
       bar.label = id;
-      bar.nodes = {builder_.node(0, card->integer(2), card->where),
-                   builder_.node(0, card->integer(3), card->where)};
-      const Vector3d a = systems_.grid_place(card->integer(2), card->where),
-                     x = systems_.grid_place(card->integer(3), card->where) - a;
+      bar.nodes = {deck_.node(card->integer(2), card->where), deck_.node(card->integer(3), card->where)};
+      const Vector3d a = deck_.systems.grid_place(card->integer(2), card->where),
+                     x = deck_.systems.grid_place(card->integer(3), card->where) - a;
       const std::string offt = axes_of_vectors(*card, defaults);
       const bool has_own = !(card->blank(4) && card->blank(5) && card->blank(6));
-      bar.orientation =
-          orientation(has_own || !defaults ? *card : *defaults, a,
-                      offt[0] == 'B' ? Eigen::Matrix3d::Identity() : axes_at(card->integer(2), card->where));
+      bar.orientation = deck_.orientation(
+          has_own || !defaults ? *card : *defaults, a,
+          offt[0] == 'B' ? Eigen::Matrix3d::Identity() : deck_.axes_at(card->integer(2), card->where));
       Eigen::Matrix3d own;  // of the element
       const Vector3d z = x.cross(bar.orientation).normalized();
       own << x.normalized(), z.cross(x.normalized()), z;
@@ -318,14 +218,14 @@ void NastranReader::read_bars() {
                               card->real(12 + 3 * end, 0));
         if (!offset.isZero(0.0))
           bar.offset[end] =
-              (offt[1 + end] == 'O' ? own : axes_at(card->integer(2 + end), card->where)) * offset;
+              (offt[1 + end] == 'O' ? own : deck_.axes_at(card->integer(2 + end), card->where)) * offset;
       }
       bar.released = {components(card->text(8), *card), components(card->text(9), *card)};
       if (!(bar.orientation.norm() > 0))
         throw std::invalid_argument(
             fmt::format("{}: {} {} has no orientation vector", card->where.text(), name, id));
       require_section(bar, fmt::format("{} {}", name, id), card->where);
-      model_.bars.push_back(bar);
+      deck_.model.bars.push_back(bar);
     }
   }
 }

@@ -1,12 +1,13 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/import/nastran/nastran_constraints.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <stdexcept>
-
-#include "mesh/import/nastran/nastran_reader.hpp"
 
 namespace flexura::mesh {
 
@@ -25,69 +26,66 @@ std::optional<std::int64_t> chosen_mpc(const std::filesystem::path& path) {
 
 }  // namespace
 
-void NastranReader::read_ties() {
-  for (const Card* card : all("RBE2")) {
+void NastranConstraints::read(const std::filesystem::path& path) {
+  read_ties();
+  read_rigid_bars();
+  read_rbe1();
+  read_equations(path);
+}
+
+void NastranConstraints::read_ties() {
+  for (const Card* card : deck_.all("RBE2")) {
     ImportedTie tie;
     tie.label = card->integer(0);
-    tie.reference = builder_.node(0, card->integer(1), card->where);
+    tie.reference = deck_.node(card->integer(1), card->where);
     tie.dofs = components(card->text(2), *card);
     if (std::ranges::count(tie.dofs, true) == 0)
       throw std::invalid_argument(fmt::format(
           "{}: RBE2 {} names no directions; give them in CM, 123456 for all", card->where.text(), tie.label));
     for (std::size_t k = 3; k < card->fields.size(); ++k)
       if (!card->blank(k) && !card->is_real(k)) {
-        tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
-        tie.axes.push_back(axes_at(card->integer(k), card->where));
+        tie.nodes.push_back(deck_.node(card->integer(k), card->where));
+        tie.axes.push_back(deck_.axes_at(card->integer(k), card->where));
       }
-    model_.ties.push_back(std::move(tie));
+    deck_.model.ties.push_back(std::move(tie));
   }
-  for (const Card* card : all("RBE3")) {
+  for (const Card* card : deck_.all("RBE3")) {
     ImportedTie tie;
     tie.kind = ImportedTie::Kind::average;
     tie.label = card->integer(0);
-    tie.reference = builder_.node(0, card->integer(2), card->where);
+    tie.reference = deck_.node(card->integer(2), card->where);
     tie.dofs = components(card->text(3), *card);
     double weight = 1;
     bool turning = false;
     for (std::size_t k = 4; k < card->fields.size(); ++k) {
       if (card->blank(k)) continue;
       if (card->text(k) == "UM" || card->text(k) == "ALPHA") {
-        unused_.add("RBE3's " + card->text(k), card->where);
+        deck_.unused.add("RBE3's " + card->text(k), card->where);
         break;
       }
       if (card->is_real(k)) {
         weight = card->real(k);
         const auto dofs = components(card->text(++k), *card);
         if (!(dofs[0] && dofs[1] && dofs[2]))
-          approximated_.add("RBE3's weights that leave out one of the directions 1 to 3: all three are used",
-                            card->where);
+          deck_.approximated.add(
+              "RBE3's weights that leave out one of the directions 1 to 3: all three are used", card->where);
         turning = dofs[3] || dofs[4] || dofs[5];
         continue;
       }
-      tie.nodes.push_back(builder_.node(0, card->integer(k), card->where));
+      tie.nodes.push_back(deck_.node(card->integer(k), card->where));
       tie.weights.push_back(weight);
       if (turning) turning_weights_.emplace_back(tie.nodes.back(), card->where);
     }
-    model_.ties.push_back(std::move(tie));
+    deck_.model.ties.push_back(std::move(tie));
   }
-  for (const ImportedTie& tie : model_.ties)
+  for (const ImportedTie& tie : deck_.model.ties)
     if (tie.nodes.empty())
       throw std::invalid_argument(fmt::format("RBE2 or RBE3 {} ties no nodes", tie.label));
 }
 
-Eigen::Matrix3d NastranReader::axes_at(std::int64_t grid, const Where& where) {
-  const auto found = systems_.grids().find(grid);
-  if (found == systems_.grids().end()) return Eigen::Matrix3d::Identity();
-  const Card* grdset = systems_.grdset();
-  const std::int64_t cd = found->second->integer(5, grdset ? grdset->integer(5, 0) : 0);
-  if (cd <= 0) return Eigen::Matrix3d::Identity();
-  return systems_.system(cd, where).axes_at(systems_.grid_place(grid, where));
-}
-
-void NastranReader::read_constraints(const std::filesystem::path& path) {
-  read_rigid_bars();
-  const std::vector<const Card*>& cards = all("MPC");
-  const std::vector<const Card*>& sums = all("MPCADD");
+void NastranConstraints::read_equations(const std::filesystem::path& path) {
+  const std::vector<const Card*>& cards = deck_.all("MPC");
+  const std::vector<const Card*>& sums = deck_.all("MPCADD");
   if (cards.empty()) return;
   std::set<std::int64_t> chosen, known;
   for (const Card* card : cards) known.insert(card->integer(0));
@@ -109,7 +107,7 @@ void NastranReader::read_constraints(const std::filesystem::path& path) {
   int count = 0;
   for (const Card* card : cards) {
     if (!chosen.contains(card->integer(0))) {
-      unused_.add("MPC of a set that is not chosen", card->where);
+      deck_.unused.add("MPC of a set that is not chosen", card->where);
       continue;
     }
     ++count;
@@ -124,22 +122,24 @@ void NastranReader::read_constraints(const std::filesystem::path& path) {
           throw std::invalid_argument(
               fmt::format("{}: MPC names component {} of grid {}; 1 to 6 are read (no scalar points)",
                           card->where.text(), c, grid));
-        ImportedEquation::Term term{.node = builder_.node(0, grid, card->where)};
+        ImportedEquation::Term term{.node = deck_.node(grid, card->where)};
         const Eigen::Index d = c - 1;
-        term.row.segment<3>(d < 3 ? 0 : 3) = card->real(k + 2, 0) * axes_at(grid, card->where).col(d % 3);
+        term.row.segment<3>(d < 3 ? 0 : 3) =
+            card->real(k + 2, 0) * deck_.axes_at(grid, card->where).col(d % 3);
         equation.terms.push_back(term);
       }
     if (equation.terms.empty())
       throw std::invalid_argument(
           fmt::format("{}: MPC {} names no grid", card->where.text(), card->integer(0)));
-    model_.equations.push_back(std::move(equation));
+    deck_.model.equations.push_back(std::move(equation));
   }
-  model_.messages.push_back(fmt::format("{} equation{} between dofs (MPC)", count, count == 1 ? "" : "s"));
+  deck_.model.messages.push_back(
+      fmt::format("{} equation{} between dofs (MPC)", count, count == 1 ? "" : "s"));
 }
 
 // RBE1 whose independent dofs are all six of one node: others follow it in the directions after UM.
-void NastranReader::read_rbe1() {
-  for (const Card* card : all("RBE1")) {
+void NastranConstraints::read_rbe1() {
+  for (const Card* card : deck_.all("RBE1")) {
     std::size_t um = 1;
     while (um < card->fields.size() && card->text(um) != "UM") ++um;
     std::vector<std::size_t> leaders;
@@ -150,32 +150,32 @@ void NastranReader::read_rbe1() {
       return std::ranges::count(dofs, true) == 6;
     };
     if (leaders.size() != 2 || !all_six(leaders[1])) {
-      approximated_.add("RBE1 whose independent dofs are not all six of one node: what it binds stays apart",
-                        card->where);
+      deck_.approximated.add(
+          "RBE1 whose independent dofs are not all six of one node: what it binds stays apart", card->where);
       continue;
     }
     for (std::size_t k = um + 1; k < card->fields.size(); ++k) {
       if (card->blank(k) || card->is_real(k)) continue;  // ALPHA
       ImportedTie tie;
       tie.label = card->integer(0);
-      tie.reference = builder_.node(0, card->integer(leaders[0]), card->where);
-      tie.nodes = {builder_.node(0, card->integer(k), card->where)};
-      tie.axes = {axes_at(card->integer(k), card->where)};
+      tie.reference = deck_.node(card->integer(leaders[0]), card->where);
+      tie.nodes = {deck_.node(card->integer(k), card->where)};
+      tie.axes = {deck_.axes_at(card->integer(k), card->where)};
       tie.dofs = components(card->text(++k), *card);
-      model_.ties.push_back(std::move(tie));
+      deck_.model.ties.push_back(std::move(tie));
     }
   }
 }
 
 // RBAR: two nodes that move as one piece, or in some directions; RROD: two that keep their distance.
-void NastranReader::read_rigid_bars() {
-  for (const Card* card : all("RBAR")) {
+void NastranConstraints::read_rigid_bars() {
+  for (const Card* card : deck_.all("RBAR")) {
     const auto of_a = components(card->text(3), *card), of_b = components(card->text(4), *card);
     const auto count = [](const std::array<bool, 6>& dofs) { return std::ranges::count(dofs, true); };
     const bool a_leads = count(of_a) == 6 && count(of_b) == 0, b_leads = count(of_b) == 6 && count(of_a) == 0;
     const auto bound = components(card->text(a_leads ? 6 : 5), *card);
     if (!(a_leads || b_leads)) {
-      approximated_.add(
+      deck_.approximated.add(
           "RBAR whose independent dofs (CNA, CNB) are not all six of one node: what it binds stays apart",
           card->where);
       continue;
@@ -183,30 +183,40 @@ void NastranReader::read_rigid_bars() {
     ImportedTie tie;
     tie.label = card->integer(0);
     if (count(bound) != 0) tie.dofs = bound;
-    tie.reference = builder_.node(0, card->integer(a_leads ? 1 : 2), card->where);
-    tie.nodes = {builder_.node(0, card->integer(a_leads ? 2 : 1), card->where)};
-    tie.axes = {axes_at(card->integer(a_leads ? 2 : 1), card->where)};
-    model_.ties.push_back(std::move(tie));
+    tie.reference = deck_.node(card->integer(a_leads ? 1 : 2), card->where);
+    tie.nodes = {deck_.node(card->integer(a_leads ? 2 : 1), card->where)};
+    tie.axes = {deck_.axes_at(card->integer(a_leads ? 2 : 1), card->where)};
+    deck_.model.ties.push_back(std::move(tie));
   }
-  for (const Card* card : all("RROD")) {
-    const Vector3d line = systems_.grid_place(card->integer(2), card->where) -
-                          systems_.grid_place(card->integer(1), card->where);
+  for (const Card* card : deck_.all("RROD")) {
+    const Vector3d line = deck_.systems.grid_place(card->integer(2), card->where) -
+                          deck_.systems.grid_place(card->integer(1), card->where);
     if (!(line.norm() > 0))
       throw std::invalid_argument(
           fmt::format("{}: the nodes of RROD {} lie in one place", card->where.text(), card->integer(0)));
     ImportedEquation equation{.terms = {},
                               .of = fmt::format("RROD {} in {}", card->integer(0), card->where.text())};
     for (const std::size_t k : {2u, 1u}) {  // the dependent one first
-      ImportedEquation::Term term{.node = builder_.node(0, card->integer(k), card->where)};
+      ImportedEquation::Term term{.node = deck_.node(card->integer(k), card->where)};
       term.row.head<3>() = (k == 2 ? 1 : -1) * line.normalized();
       for (double& c : term.row)  // round-off of places
         if (std::abs(c) < 1e-12) c = 0;
       equation.terms.push_back(term);
     }
     if (!card->blank(3)) std::swap(equation.terms[0], equation.terms[1]);
-    model_.equations.push_back(std::move(equation));
+    deck_.model.equations.push_back(std::move(equation));
   }
-  read_rbe1();
+}
+
+void NastranConstraints::note_turning_weights() {
+  if (turning_weights_.empty()) return;
+  std::set<Index> turns;
+  for (const ModelBuilder::Cell& cell : deck_.builder.cells())
+    if (dimension_of(cell.type) == 2) turns.insert(cell.nodes.begin(), cell.nodes.end());
+  for (const ImportedBar& bar : deck_.model.bars) turns.insert(bar.nodes.begin(), bar.nodes.end());
+  for (const auto& [node, where] : turning_weights_)
+    if (turns.contains(node))
+      deck_.approximated.add("RBE3's weights on rotations: the displacements' mean alone is taken", where);
 }
 
 }  // namespace flexura::mesh

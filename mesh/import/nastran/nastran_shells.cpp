@@ -1,4 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/import/nastran/nastran_shells.hpp"
+
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -9,7 +11,6 @@
 #include <set>
 #include <stdexcept>
 
-#include "mesh/import/nastran/nastran_reader.hpp"
 #include "mesh/model/cells/cell.hpp"
 
 namespace flexura::mesh {
@@ -26,12 +27,7 @@ std::string key_of(const Eigen::Matrix3d& axes) {
 
 }  // namespace
 
-Index NastranReader::shell_material(std::int64_t id, const Where& where) const {
-  const auto lamina = lamina_.find(id);
-  return lamina != lamina_.end() ? lamina->second : material(id, where);
-}
-
-NastranReader::ShellProperty NastranReader::layered_property(const Card& card) {
+NastranShells::ShellProperty NastranShells::layered_property(const Card& card) {
   const std::string of = fmt::format("PCOMP {}", card.integer(0)), option = card.text(7);
   if (!option.empty() && option != "SYM")
     throw std::invalid_argument(fmt::format("{}: {} has LAM {}, which is not read; SYM and blank are",
@@ -45,7 +41,7 @@ NastranReader::ShellProperty NastranReader::layered_property(const Card& card) {
     if (!card.blank(k + 1)) thickness = card.real(k + 1);
     require_positive(thickness, of, "layer thickness", card.where);
     layers.push_back(
-        {shell_material(mid, card.where), thickness, card.real(k + 2, 0) * std::numbers::pi / 180});
+        {deck_.shell_material(mid, card.where), thickness, card.real(k + 2, 0) * std::numbers::pi / 180});
     whole += thickness;
   }
   if (!(whole > 0)) throw std::invalid_argument(fmt::format("{}: {} has no layers", card.where.text(), of));
@@ -57,7 +53,7 @@ NastranReader::ShellProperty NastranReader::layered_property(const Card& card) {
   const bool alike = std::ranges::all_of(layers, [&](const ShellLayer& layer) {
     return layer.material == first.material &&
            (layer.angle == first.angle ||
-            !model_.materials[static_cast<std::size_t>(first.material)].orthotropic);
+            !deck_.model.materials[static_cast<std::size_t>(first.material)].orthotropic);
   });
   ShellProperty shell{first.material, whole, card.real(2, 0), alike ? first.angle : 0.0,
                       card.real(1, -0.5 * whole) + 0.5 * whole};
@@ -65,34 +61,34 @@ NastranReader::ShellProperty NastranReader::layered_property(const Card& card) {
   return shell;
 }
 
-NastranReader::ShellProperty NastranReader::shell_property(const Card& card) {
+NastranShells::ShellProperty NastranShells::shell_property(const Card& card) {
   const std::int64_t mid = card.integer(1);
-  ShellProperty shell{shell_material(mid, card.where), card.real(2, 0), card.real(7, 0)};
+  ShellProperty shell{deck_.shell_material(mid, card.where), card.real(2, 0), card.real(7, 0)};
   if (card.blank(3))
-    approximated_.add("PSHELL's missing MID2 (membrane alone): bending is computed as well", card.where);
+    deck_.approximated.add("PSHELL's missing MID2 (membrane alone): bending is computed as well", card.where);
   else if (card.integer(3) != mid)
-    approximated_.add("PSHELL's MID2 other than MID1: MID1 is used for bending, too", card.where);
+    deck_.approximated.add("PSHELL's MID2 other than MID1: MID1 is used for bending, too", card.where);
   if (std::abs(card.real(4, 1) - 1) > 1e-6)
-    approximated_.add("PSHELL's 12 I / T**3 other than 1: 1 is used", card.where);
+    deck_.approximated.add("PSHELL's 12 I / T**3 other than 1: 1 is used", card.where);
   if (std::abs(card.real(6, 5.0 / 6) - 5.0 / 6) > 1e-3)
-    approximated_.add("PSHELL's TS/T other than 5/6: 5/6 is used", card.where);
+    deck_.approximated.add("PSHELL's TS/T other than 5/6: 5/6 is used", card.where);
   if (!card.blank(10))
-    approximated_.add("PSHELL's MID4: membrane and bending are computed without coupling", card.where);
+    deck_.approximated.add("PSHELL's MID4: membrane and bending are computed without coupling", card.where);
   if (card.blank(5) && card.blank(6) && !card.blank(3))
-    unused_.add("PSHELL without MID3 (shear deformation is computed, that of thick shells)", card.where);
+    deck_.unused.add("PSHELL without MID3 (shear deformation is computed, that of thick shells)", card.where);
   return shell;
 }
 
-Eigen::Matrix3d NastranReader::axes_of_shell(const Card& card, const std::vector<Index>& nodes,
+Eigen::Matrix3d NastranShells::axes_of_shell(const Card& card, const std::vector<Index>& nodes,
                                              std::size_t n_corners, std::size_t place) {
-  const auto at = [&](std::size_t k) { return builder_.place(nodes[k]); };
+  const auto at = [&](std::size_t k) { return deck_.builder.place(nodes[k]); };
   const Vector3d normal =
       (n_corners == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1)))
           .normalized();
   Vector3d along = at(1) - at(0);
   double angle = 0;
   if (!card.blank(place) && !card.is_real(place)) {
-    const NastranSystem& system = systems_.system(card.integer(place), card.where);
+    const NastranSystem& system = deck_.systems.system(card.integer(place), card.where);
     if (system.kind != 'R')
       throw std::invalid_argument(
           fmt::format("{}: MCID {} of {} {} is a cylindrical or spherical system; rectangular ones are read",
@@ -112,23 +108,24 @@ Eigen::Matrix3d NastranReader::axes_of_shell(const Card& card, const std::vector
   return axes;
 }
 
-Index NastranReader::material_along(Index material, const Eigen::Matrix3d& axes, double angle) {
-  if (!model_.materials[static_cast<std::size_t>(material)].orthotropic) return material;
+Index NastranShells::material_along(Index material, const Eigen::Matrix3d& axes, double angle) {
+  if (!deck_.model.materials[static_cast<std::size_t>(material)].orthotropic) return material;
   const Eigen::Matrix3d R = axes * Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
   const auto [turned, fresh] =
-      turned_.emplace(std::pair{material, key_of(R)}, static_cast<Index>(model_.materials.size()));
+      turned_.emplace(std::pair{material, key_of(R)}, static_cast<Index>(deck_.model.materials.size()));
   if (fresh) {
-    ImportedMaterial copy = model_.materials[static_cast<std::size_t>(material)];
+    ImportedMaterial copy = deck_.model.materials[static_cast<std::size_t>(material)];
     copy.R = R;
-    model_.materials.push_back(std::move(copy));
+    deck_.model.materials.push_back(std::move(copy));
   }
   return turned->second;
 }
 
-Index NastranReader::material_of_shell(const ShellProperty& property, const Card& card,
+Index NastranShells::material_of_shell(const ShellProperty& property, const Card& card,
                                        const std::vector<Index>& nodes, std::size_t n_corners,
                                        std::size_t place) {
-  if (property.layers.empty() && !model_.materials[static_cast<std::size_t>(property.material)].orthotropic)
+  if (property.layers.empty() &&
+      !deck_.model.materials[static_cast<std::size_t>(property.material)].orthotropic)
     return property.material;
   const Eigen::Matrix3d axes = axes_of_shell(card, nodes, n_corners, place);
   if (property.layers.empty()) return material_along(property.material, axes, property.angle);
@@ -137,18 +134,18 @@ Index NastranReader::material_of_shell(const ShellProperty& property, const Card
   whole.R = axes;
   for (const ShellLayer& layer : property.layers)
     whole.plies.push_back({material_along(layer.material, axes, layer.angle), layer.thickness});
-  const auto [found, fresh] =
-      laminates_.emplace(std::pair{whole.name, key_of(axes)}, static_cast<Index>(model_.materials.size()));
-  if (fresh) model_.materials.push_back(std::move(whole));
+  const auto [found, fresh] = laminates_.emplace(std::pair{whole.name, key_of(axes)},
+                                                 static_cast<Index>(deck_.model.materials.size()));
+  if (fresh) deck_.model.materials.push_back(std::move(whole));
   return found->second;
 }
 
-void NastranReader::read_shells() {
+void NastranShells::read() {
   std::map<std::int64_t, ShellProperty> properties;
-  for (const Card* card : all("PSHELL")) properties.emplace(card->integer(0), shell_property(*card));
-  for (const Card* card : all("PCOMP")) properties.emplace(card->integer(0), layered_property(*card));
+  for (const Card* card : deck_.all("PSHELL")) properties.emplace(card->integer(0), shell_property(*card));
+  for (const Card* card : deck_.all("PCOMP")) properties.emplace(card->integer(0), layered_property(*card));
   std::set<std::int64_t> layered;
-  for (const Card* card : by_name_["PCOMPG"]) layered.insert(card->integer(0));
+  for (const Card* card : deck_.given("PCOMPG")) layered.insert(card->integer(0));
   // Where the nodes end, there stand: THETA or MCID, ZOFFS; TFLAG and the corners' thicknesses.
   struct ShellCard {
     CellType type;
@@ -159,10 +156,11 @@ void NastranReader::read_shells() {
       {"CTRIA3", {CellType::tri3, 6, 9, 10}},    {"CTRIAR", {CellType::tri3, 6, 9, 10}},
       {"CQUAD8", {CellType::quad8, 15, 16, 10}}, {"CTRIA6", {CellType::tri6, 9, 13, 10}}};
   std::map<std::string, int> split;
-  for (const Card& card : cards_) {
+  std::map<Index, double> extra_mass;  // NSM
+  for (const Card& card : deck_.cards()) {
     const auto found = kCards.find(card.name);
     if (found == kCards.end()) continue;
-    used_.insert(card.name);
+    deck_.mark_read(card.name);
     const ShellCard& places = found->second;
     const auto n_nodes = static_cast<std::size_t>(nodes_per_cell(places.type)),
                n = static_cast<std::size_t>(shape_of(places.type).corners);
@@ -175,22 +173,22 @@ void NastranReader::read_shells() {
     std::vector<Index> nodes(n_nodes, -1);
     for (std::size_t k = 0; k < n_nodes; ++k)  // mid-side nodes may be left out
       if (k < n || (!card.blank(2 + k) && card.integer(2 + k) != 0))
-        nodes[k] = builder_.node(0, card.integer(2 + k), card.where);
+        nodes[k] = deck_.node(card.integer(2 + k), card.where);
     std::vector<Index> present = nodes;
     std::erase(present, -1);
-    builder_.add_to_set("property " + std::to_string(property), present);
+    deck_.builder.add_to_set("property " + std::to_string(property), present);
     if (n_nodes > n) ++split[card.name];
     if (const double extra = section->second.extra_mass_per_area;
         extra > 0) {  // an equal share for every corner
-      const auto at = [&](std::size_t k) { return builder_.place(nodes[k]); };
+      const auto at = [&](std::size_t k) { return deck_.builder.place(nodes[k]); };
       const Vector3d across =
           n == 3 ? (at(1) - at(0)).cross(at(2) - at(0)) : (at(2) - at(0)).cross(at(3) - at(1));
       for (std::size_t k = 0; k < n; ++k)
-        extra_mass_[nodes[k]] += extra * 0.5 * across.norm() / static_cast<double>(n);
+        extra_mass[nodes[k]] += extra * 0.5 * across.norm() / static_cast<double>(n);
     }
     const Index along = material_of_shell(section->second, card, nodes, n, places.offset - 1);
     ModelBuilder::Cell& cell =
-        builder_.cells()[builder_.add_cell(0, places.type, id, std::move(nodes), card.where)];
+        deck_.builder.cells()[deck_.builder.add_cell(0, places.type, id, std::move(nodes), card.where)];
     cell.material = along;
     cell.thickness = section->second.thickness;
     cell.offset = card.real(places.offset, 0) + section->second.height;
@@ -206,12 +204,14 @@ void NastranReader::read_shells() {
     for (std::size_t k = places.thickness; k < places.thickness + n; ++k)
       if (!card.blank(k) && std::abs(card.real(k) * (scaled ? section->second.thickness : 1) -
                                      cell.thickness) > 1e-6 * cell.thickness)
-        approximated_.add(card.name + "'s thicknesses that differ from corner to corner: their mean is used",
-                          card.where);
+        deck_.approximated.add(
+            card.name + "'s thicknesses that differ from corner to corner: their mean is used", card.where);
   }
   for (const auto& [name, count] : split)
-    model_.messages.push_back(fmt::format("{} element{} of type {}: {}", count, count == 1 ? "" : "s", name,
-                                          ModelBuilder::split_shells()));
+    deck_.model.messages.push_back(fmt::format("{} element{} of type {}: {}", count, count == 1 ? "" : "s",
+                                               name, ModelBuilder::split_shells()));
+  for (const auto& [node, mass] : extra_mass)
+    deck_.model.masses.push_back({.label = 0, .node = node, .mass = mass});
 }
 
 }  // namespace flexura::mesh
