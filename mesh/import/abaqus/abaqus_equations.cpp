@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "mesh/import/abaqus/abaqus_keywords.hpp"
-#include "mesh/import/abaqus/abaqus_placer.hpp"
+#include "mesh/import/abaqus/abaqus_ties.hpp"
 #include "mesh/import/projection.hpp"
 
 namespace flexura::mesh::abaqus {
@@ -38,17 +38,17 @@ std::vector<Eigen::Matrix3d> turned_with(const std::vector<Eigen::Vector3d>& nod
 
 }  // namespace
 
-Eigen::Matrix3d Placer::axes_at(Index node) const {
+Eigen::Matrix3d TiePlacer::axes_at(Index node) const {
   const auto found = axes_of_.find(node);
   return found == axes_of_.end() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
-                                 : found->second->axes_at(builder_.place(node));
+                                 : found->second->axes_at(placed_.builder.place(node));
 }
 
 // Where terms name sets, there is an equation for each of their nodes, in order; a single node goes with all.
-void Placer::take_equations() {
-  for (const Transform& transform : deck_.transforms)
+void TiePlacer::take_equations() {
+  for (const Transform& transform : placed_.deck.transforms)
     for (const Index node : named_nodes(transform.set, transform.where)) axes_of_[node] = &transform;
-  for (const EquationLine& equation : deck_.equations) {
+  for (const EquationLine& equation : placed_.deck.equations) {
     std::vector<std::vector<Index>> nodes;
     std::size_t count = 1;
     for (const EquationLine::Term& term : equation.terms) {
@@ -71,42 +71,43 @@ void Placer::take_equations() {
         term.row.segment<3>(d < 3 ? 0 : 3) = equation.terms[t].coefficient * axes_at(node).col(d % 3);
         to.terms.push_back(term);
       }
-      model_.equations.push_back(std::move(to));
+      placed_.model.equations.push_back(std::move(to));
     }
   }
-  if (!deck_.equations.empty())
-    model_.messages.push_back(fmt::format("{} equation{} between dofs (*EQUATION)", model_.equations.size(),
-                                          model_.equations.size() == 1 ? "" : "s"));
+  if (!placed_.deck.equations.empty())
+    placed_.model.messages.push_back(fmt::format("{} equation{} between dofs (*EQUATION)",
+                                                 placed_.model.equations.size(),
+                                                 placed_.model.equations.size() == 1 ? "" : "s"));
 }
 
-std::set<Index> Placer::turning_nodes() const {
+std::set<Index> TiePlacer::turning_nodes() const {
   std::set<Index> turns;
-  for (const ModelBuilder::Cell& cell : builder_.cells())
+  for (const ModelBuilder::Cell& cell : placed_.builder.cells())
     if (dimension_of(cell.type) == 2) turns.insert(cell.nodes.begin(), cell.nodes.end());
-  for (const ImportedBar& bar : model_.bars) turns.insert(bar.nodes.begin(), bar.nodes.end());
+  for (const ImportedBar& bar : placed_.model.bars) turns.insert(bar.nodes.begin(), bar.nodes.end());
   return turns;
 }
 
-void Placer::follow_with_arm(const SurfaceTie& tie, Index slave, Index master) {
-  const Eigen::Vector3d r = builder_.place(slave) - builder_.place(master);
+void TiePlacer::follow_with_arm(const SurfaceTie& tie, Index slave, Index master) {
+  const Eigen::Vector3d r = placed_.builder.place(slave) - placed_.builder.place(master);
   for (int d = 0; d < 6; ++d) {
     ImportedEquation equation{.terms = {{.node = slave}, {.node = master}},
                               .of = "*TIE in " + tie.where.text()};
     equation.terms[0].row(d) = -1;
     equation.terms[1].row(d) = 1;
     if (d < 3) equation.terms[1].row.tail<3>() = r.cross(Eigen::Vector3d::Unit(d));  // (theta x r)_d
-    model_.equations.push_back(std::move(equation));
+    placed_.model.equations.push_back(std::move(equation));
   }
 }
 
-void Placer::tie_between_nodes(const SurfaceTie& tie, const std::vector<Index>& slaves, double tolerance) {
+void TiePlacer::tie_between_nodes(const SurfaceTie& tie, const std::vector<Index>& slaves, double tolerance) {
   const std::vector<SurfaceFace> faces = surface_faces(tie.master, tie.where);
   if (!(tolerance > 0)) {  // a twentieth of the master's edges
     double sum = 0;
     std::size_t count = 0;
     for (const SurfaceFace& face : faces)
       for (std::size_t k = 1; k < 3; ++k, ++count)
-        sum += (builder_.place(face.nodes[k]) - builder_.place(face.nodes[k - 1])).norm();
+        sum += (placed_.builder.place(face.nodes[k]) - placed_.builder.place(face.nodes[k - 1])).norm();
     tolerance = count > 0 ? 0.05 * sum / static_cast<double>(count) : 0;
   }
   const std::set<Index> turns = turning_nodes();
@@ -114,8 +115,8 @@ void Placer::tie_between_nodes(const SurfaceTie& tie, const std::vector<Index>& 
   double moved = 0;
   for (const Index slave : slaves) {
     const auto at = project(
-        builder_.place(slave), faces,
-        [&](Index node) -> const Eigen::Vector3d& { return builder_.place(node); }, tolerance);
+        placed_.builder.place(slave), faces,
+        [&](Index node) -> const Eigen::Vector3d& { return placed_.builder.place(node); }, tolerance);
     if (!at) {
       ++apart;
       continue;
@@ -124,11 +125,11 @@ void Placer::tie_between_nodes(const SurfaceTie& tie, const std::vector<Index>& 
     if (std::ranges::find(masters, slave) != masters.end()) continue;
     moved = std::max(moved, at->distance);
     const Eigen::Vector3d off =
-        tie.adjust ? Eigen::Vector3d::Zero() : Eigen::Vector3d(builder_.place(slave) - at->place);
+        tie.adjust ? Eigen::Vector3d::Zero() : Eigen::Vector3d(placed_.builder.place(slave) - at->place);
     // Off the face it would not follow its turns: it is put there, as Abaqus adjusts it, or hangs on a rigid arm.
-    if (tie.adjust) builder_.move(slave, at->place);
+    if (tie.adjust) placed_.builder.move(slave, at->place);
     std::vector<Eigen::Vector3d> places;
-    for (const Index node : masters) places.push_back(builder_.place(node));
+    for (const Index node : masters) places.push_back(placed_.builder.place(node));
     const std::vector<Eigen::Matrix3d> arms = turned_with(places, off);
     for (int d = 0; d < 3; ++d) {
       ImportedEquation equation{.terms = {{.node = slave}}, .of = "*TIE in " + tie.where.text()};
@@ -140,26 +141,26 @@ void Placer::tie_between_nodes(const SurfaceTie& tie, const std::vector<Index>& 
         equation.terms.push_back({.node = masters[k]});
         equation.terms.back().row.head<3>() = c;
       }
-      model_.equations.push_back(std::move(equation));
+      placed_.model.equations.push_back(std::move(equation));
     }
     ++bound;
     turning += turns.contains(slave);
   }
   if (bound > 0)
-    model_.messages.push_back(fmt::format(
+    placed_.model.messages.push_back(fmt::format(
         "*TIE in {}: {} nodes of {} follow the faces of {} between their nodes{}", tie.where.text(), bound,
         tie.slave, tie.master,
         moved > 0 ? fmt::format(" ({} them by at most {:.2g}{})", tie.adjust ? "moved onto" : "off", moved,
                                 tie.adjust ? "" : ": ADJUST=NO")
                   : ""));
   if (turning > 0)
-    model_.warnings.push_back(
+    placed_.model.warnings.push_back(
         fmt::format("*TIE in {}: {} of the nodes that follow between nodes have rotations, which stay free: "
                     "a hinge; mesh both sides alike "
                     "there",
                     tie.where.text(), turning));
   if (apart > 0)
-    model_.warnings.push_back(
+    placed_.model.warnings.push_back(
         fmt::format("*TIE in {}: {} of the nodes of {} lie farther than {:.3g} from {} and stay apart: give "
                     "*TIE a POSITION TOLERANCE",
                     tie.where.text(), apart, tie.slave, tolerance, tie.master));

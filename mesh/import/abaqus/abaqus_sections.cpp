@@ -1,4 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/import/abaqus/abaqus_sections.hpp"
+
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -6,7 +8,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "mesh/import/abaqus/abaqus_placer.hpp"
 #include "mesh/import/bar_sections.hpp"
 #include "mesh/model/cells/cell.hpp"
 
@@ -48,47 +49,47 @@ void assign_bar(const Section& section, ImportedBar& bar, const std::string& typ
 
 }  // namespace
 
-Index Placer::found_material(const std::string& name, const Where& where) const {
-  const auto material = std::ranges::find(model_.materials, name, &ImportedMaterial::name);
-  if (material == model_.materials.end())
+Index SectionPlacer::found_material(const std::string& name, const Where& where) const {
+  const auto material = std::ranges::find(placed_.model.materials, name, &ImportedMaterial::name);
+  if (material == placed_.model.materials.end())
     throw std::invalid_argument(fmt::format("{}: material \"{}\" is not defined", where.text(), name));
-  return static_cast<Index>(material - model_.materials.begin());
+  return static_cast<Index>(material - placed_.model.materials.begin());
 }
 
-Index Placer::laminate_along(const Section& section, const Eigen::Matrix3d& axes) {
+Index SectionPlacer::laminate_along(const Section& section, const Eigen::Matrix3d& axes) {
   ImportedMaterial whole;
   whole.name = "layers of " + section.set;
   whole.R = axes;
   for (const Layer& layer : section.layers) {
     const Index material = found_material(layer.material, section.where);
-    const bool orthotropic = model_.materials[static_cast<std::size_t>(material)].orthotropic;
+    const bool orthotropic = placed_.model.materials[static_cast<std::size_t>(material)].orthotropic;
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(layer.angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
     whole.plies.push_back({orthotropic ? material_along(material, axes * turn) : material, layer.thickness});
   }
   std::string key = section.where.text();
   for (const double c : axes.reshaped()) key += fmt::format(" {:.0f}", std::round(1e12 * c) + 0.0);
   const auto [found, fresh] =
-      turned_.emplace(std::pair{whole.name, key}, static_cast<Index>(model_.materials.size()));
-  if (fresh) model_.materials.push_back(std::move(whole));
+      turned_.emplace(std::pair{whole.name, key}, static_cast<Index>(placed_.model.materials.size()));
+  if (fresh) placed_.model.materials.push_back(std::move(whole));
   return found->second;
 }
 
-void Placer::assign(const Section& section, const Part& part, int scope, const Instance* instance) {
+void SectionPlacer::assign(const Section& section, const Part& part, int scope, const Instance* instance) {
   const Index index = found_material(section.material, section.where);
   const auto set = part.element_sets.find(section.set);
   if (set == part.element_sets.end())
     throw std::invalid_argument(
         fmt::format("{}: element set \"{}\" is not defined", section.where.text(), section.set));
-  const bool orthotropic = model_.materials[static_cast<std::size_t>(index)].orthotropic,
-             layered = !section.layers.empty(), lamina = deck_.laminae.contains(section.material);
+  const bool orthotropic = placed_.model.materials[static_cast<std::size_t>(index)].orthotropic,
+             layered = !section.layers.empty(), lamina = placed_.deck.laminae.contains(section.material);
   const Orientation* axes = (orthotropic || layered) && !section.orientation.empty()
-                                ? &found_orientation(section.orientation, part.name, section.where)
+                                ? &placed_.found_orientation(section.orientation, part.name, section.where)
                                 : nullptr;
   for (const std::int64_t label : set->second) {
-    for (auto [bar, end] = bar_of_.equal_range({scope, label}); bar != end; ++bar)
-      assign_bar(section, model_.bars[bar->second.first], bar->second.second, index, instance);
-    if (const auto found = cell_of_.find({scope, label}); found != cell_of_.end()) {
-      ModelBuilder::Cell& cell = builder_.cells()[found->second];
+    for (auto [bar, end] = placed_.bar_of.equal_range({scope, label}); bar != end; ++bar)
+      assign_bar(section, placed_.model.bars[bar->second.first], bar->second.second, index, instance);
+    if (const auto found = placed_.cell_of.find({scope, label}); found != placed_.cell_of.end()) {
+      ModelBuilder::Cell& cell = placed_.builder.cells()[found->second];
       if (lamina && dimension_of(cell.type) == 3)
         throw std::invalid_argument(
             fmt::format("{}: the material {} of solids is a LAMINA, which tells nothing across its plane; "
@@ -106,10 +107,10 @@ void Placer::assign(const Section& section, const Part& part, int scope, const I
   }
 }
 
-Eigen::Matrix3d Placer::material_axes(const ModelBuilder::Cell& cell, const Orientation* orientation,
-                                      const Instance* instance) const {
+Eigen::Matrix3d SectionPlacer::material_axes(const ModelBuilder::Cell& cell, const Orientation* orientation,
+                                             const Instance* instance) const {
   const int corners = shape_of(cell.type).corners;
-  const auto at = [&](int a) { return builder_.place(cell.nodes[static_cast<std::size_t>(a)]); };
+  const auto at = [&](int a) { return placed_.builder.place(cell.nodes[static_cast<std::size_t>(a)]); };
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (int a = 0; a < corners; ++a) middle += at(a) / corners;
   const Eigen::Matrix3d turn = instance ? instance->R : Eigen::Matrix3d::Identity();
@@ -122,51 +123,27 @@ Eigen::Matrix3d Placer::material_axes(const ModelBuilder::Cell& cell, const Orie
   return turn * orientation->shell_axes_at(middle, turn.transpose() * normal);
 }
 
-const Orientation& Placer::found_orientation(const std::string& name, const std::string& part,
-                                             const Where& where) const {
-  auto found = deck_.orientations.find(part + "." + name);
-  if (found == deck_.orientations.end()) found = deck_.orientations.find(name);
-  if (found == deck_.orientations.end())
-    throw std::invalid_argument(fmt::format("{}: ORIENTATION=\"{}\" is not defined", where.text(), name));
-  if (!found->second.not_read.empty())
-    throw std::invalid_argument(
-        fmt::format("{}: *ORIENTATION {} has {}, which is not read; axes by coordinates are",
-                    found->second.where.text(), name, found->second.not_read));
-  return found->second;
-}
-
-Eigen::Matrix3d Placer::orientation(const std::string& name, const std::string& part,
-                                    const Where& where) const {
-  if (name.empty()) return Eigen::Matrix3d::Identity();
-  const Orientation& found = found_orientation(name, part, where);
-  if (found.system.kind != 'R')
-    throw std::invalid_argument(
-        fmt::format("{}: *ORIENTATION {} is a cylindrical or spherical system, which springs, masses and "
-                    "couplings do not read; rectangular axes are",
-                    found.where.text(), name));
-  return found.axes_at(Eigen::Vector3d::Zero());
-}
-
-Index Placer::material_along(Index material, const Eigen::Matrix3d& axes) {
+Index SectionPlacer::material_along(Index material, const Eigen::Matrix3d& axes) {
   if (axes.isIdentity(1e-14)) return material;
   std::string key;
   for (const double c : axes.reshaped()) key += fmt::format("{:.0f} ", std::round(1e12 * c) + 0.0);
-  const std::string name = model_.materials[static_cast<std::size_t>(material)].name;
-  const auto [at, fresh] = turned_.emplace(std::pair{name, key}, static_cast<Index>(model_.materials.size()));
+  const std::string name = placed_.model.materials[static_cast<std::size_t>(material)].name;
+  const auto [at, fresh] =
+      turned_.emplace(std::pair{name, key}, static_cast<Index>(placed_.model.materials.size()));
   if (fresh) {
-    ImportedMaterial copy = model_.materials[static_cast<std::size_t>(material)];
+    ImportedMaterial copy = placed_.model.materials[static_cast<std::size_t>(material)];
     copy.R = axes;
-    model_.materials.push_back(std::move(copy));
+    placed_.model.materials.push_back(std::move(copy));
   }
   return at->second;
 }
 
 // SPRINGA along its line; SPRING2 in one direction of both nodes.
-void Placer::assign_spring(const ElementData& data, ImportedSpring& to, const Eigen::Matrix3d& axes) {
+void SectionPlacer::assign_spring(const ElementData& data, ImportedSpring& to, const Eigen::Matrix3d& axes) {
   require_not_negative(data.values[0], "*" + data.kind, "stiffness", data.where);
-  const auto place = static_cast<std::size_t>(&to - model_.springs.data());
+  const auto place = static_cast<std::size_t>(&to - placed_.model.springs.data());
   spring_set_.insert(place);
-  if (along_.contains(place)) {
+  if (placed_.along.contains(place)) {
     to.stiffness[0] = data.values[0];
     return;
   }
@@ -177,7 +154,7 @@ void Placer::assign_spring(const ElementData& data, ImportedSpring& to, const Ei
                     data.where.text(), dof, data.dofs.size() > 1 ? data.dofs[1] : dof));
   to.R = axes;
   to.stiffness[static_cast<std::size_t>(dof) - 1] = data.values[0];
-  const Eigen::Vector3d line = builder_.place(to.nodes[1]) - builder_.place(to.nodes[0]);
+  const Eigen::Vector3d line = placed_.builder.place(to.nodes[1]) - placed_.builder.place(to.nodes[0]);
   if (dof < 4 && line.cross(axes.col(static_cast<Eigen::Index>(dof) - 1)).norm() > 1e-9 * line.norm())
     throw std::invalid_argument(
         fmt::format("{}: spring element {} acts in direction {:g} between nodes that do not lie one behind "
@@ -186,20 +163,22 @@ void Placer::assign_spring(const ElementData& data, ImportedSpring& to, const Ei
                     data.where.text(), to.label, dof));
 }
 
-void Placer::assign(const ElementData& data, const Part& part, int scope, const Instance* instance) {
+void SectionPlacer::assign(const ElementData& data, const Part& part, int scope, const Instance* instance) {
   const Eigen::Matrix3d turn = instance ? instance->R : Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d R =
-      data.kind == "MASS" ? turn
-                          : Eigen::Matrix3d(turn * orientation(data.orientation, part.name, data.where));
+      data.kind == "MASS"
+          ? turn
+          : Eigen::Matrix3d(turn * placed_.orientation(data.orientation, part.name, data.where));
   if (data.values.empty() || (data.kind == "ROTARY INERTIA" && data.values.size() < 3))
     throw std::invalid_argument(fmt::format("{}: *{} has no numbers", data.where.text(), data.kind));
   for (const std::int64_t label : labels_of(data.set, part, data.where)) {
     const std::pair<int, std::int64_t> key{scope, label};
-    if (const auto spring = spring_of_.find(key); data.kind == "SPRING" && spring != spring_of_.end())
-      assign_spring(data, model_.springs[spring->second], R);
-    const auto mass = mass_of_.find(key);
-    if (mass == mass_of_.end()) continue;
-    ImportedMass& to = model_.masses[mass->second];
+    if (const auto spring = placed_.spring_of.find(key);
+        data.kind == "SPRING" && spring != placed_.spring_of.end())
+      assign_spring(data, placed_.model.springs[spring->second], R);
+    const auto mass = placed_.mass_of.find(key);
+    if (mass == placed_.mass_of.end()) continue;
+    ImportedMass& to = placed_.model.masses[mass->second];
     if (data.kind == "MASS") to.mass = data.values[0];
     if (data.kind != "ROTARY INERTIA") continue;
     std::vector<double> I = data.values;  // I11, I22, I33, I12, I13, I23: of the inertia tensor
@@ -210,10 +189,10 @@ void Placer::assign(const ElementData& data, const Part& part, int scope, const 
   }
 }
 
-void Placer::finish_others() {
+void SectionPlacer::finish_others() {
   std::map<Index, std::size_t> at;
   std::vector<ImportedMass> merged;
-  for (const ImportedMass& mass : model_.masses) {
+  for (const ImportedMass& mass : placed_.model.masses) {
     const auto [place, fresh] = at.emplace(mass.node, merged.size());
     if (fresh) {
       merged.push_back(mass);
@@ -222,20 +201,21 @@ void Placer::finish_others() {
       merged[place->second].inertia += mass.inertia;
     }
   }
-  model_.masses = std::move(merged);
-  for (const ImportedBar& bar : model_.bars)
+  placed_.model.masses = std::move(merged);
+  for (const ImportedBar& bar : placed_.model.bars)
     if (!(bar.A > 0))
       throw std::invalid_argument(
           fmt::format("beam element {} has no section (*BEAM SECTION, *BEAM GENERAL SECTION; trusses: "
                       "*SOLID SECTION with an area)",
                       bar.label));
-  for (std::size_t k = 0; k < model_.springs.size(); ++k)
+  for (std::size_t k = 0; k < placed_.model.springs.size(); ++k)
     if (!spring_set_.contains(k))
       throw std::invalid_argument(
-          fmt::format("spring element {} has no stiffness (*SPRING)", model_.springs[k].label));
-  for (const std::size_t k : along_) {
-    ImportedSpring& spring = model_.springs[k];
-    const Eigen::Vector3d line = builder_.place(spring.nodes[1]) - builder_.place(spring.nodes[0]);
+          fmt::format("spring element {} has no stiffness (*SPRING)", placed_.model.springs[k].label));
+  for (const std::size_t k : placed_.along) {
+    ImportedSpring& spring = placed_.model.springs[k];
+    const Eigen::Vector3d line =
+        placed_.builder.place(spring.nodes[1]) - placed_.builder.place(spring.nodes[0]);
     if (!(line.norm() > 0))
       throw std::invalid_argument(
           fmt::format("spring element {} (SPRINGA) has no length, hence no direction", spring.label));
