@@ -13,7 +13,6 @@
 
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/mechanism/describe.hpp"
-#include "mbs/study/estimate/global_error.hpp"
 #include "mbs/study/estimate/influence.hpp"
 #include "mbs/study/estimate/percent.hpp"
 
@@ -85,6 +84,7 @@ ChosenRun Chooser::run() {
   if (!is_screened || std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; }) ||
       std::ranges::any_of(beams_, [](const BeamChoice& beam) { return !beam.rigid; })) {
     const double screening = seconds_since(start), screening_cpu = cpu_since();
+    steps_.reset();
     out = simulate(out.prepared);
     refine_beams(out);
     out.screening_wall += screening;
@@ -92,6 +92,8 @@ ChosenRun Chooser::run() {
   } else {
     out.screening_wall = std::max(0.0, seconds_since(start) - out.result.wall_time);
     out.screening_cpu = std::max(0.0, cpu_since() - out.result.wall_time);
+    if (steps_ && out.result.complete) out.integrator = steps_->estimate();
+    steps_.reset();
   }
   for (const auto& [body, choice] : choices_)
     if (!without_influence_.contains(body)) out.reasons.push_back(choice.text(body));
@@ -174,11 +176,11 @@ void Chooser::screen(ChosenRun& out) {
       return false;
     }
   };
-  const auto steps = tells_integrator_ && has_all() ? GlobalError::make(out.prepared) : nullptr;
-  if (steps) steps->watch(mine);
+  // Told only where this is the run that is kept.
+  if (tells_integrator_ && has_all()) steps_ = LaterGlobalError::make(out.prepared);
+  if (steps_) steps_->watch(mine);
   out.result =
       mbs::run(*out.prepared.mechanism, out.prepared.state, out.prepared.v_dot, out.prepared.options, mine);
-  if (steps && out.result.complete) out.integrator = steps->estimate();
   if (shadows) {
     out.has_estimate = true;
     out.estimate = shadows->estimate();

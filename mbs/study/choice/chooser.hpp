@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -13,6 +14,7 @@
 #include "mbs/study/choice/body_choice.hpp"
 #include "mbs/study/choice/choose.hpp"
 #include "mbs/study/choice/screening.hpp"
+#include "mbs/study/estimate/later_global_error.hpp"
 
 namespace flexura::study {
 
@@ -87,8 +89,9 @@ class Chooser {
   std::vector<BeamChoice> beams_;
   std::unique_ptr<FullModel> full_;
   std::optional<Screening> screening_;
-  std::set<std::string> of_rigid_;  // names of quantities with the open bodies rigid
-  TruncationEstimate sizes_;        // what the screening says about the outputs' sizes
+  std::unique_ptr<LaterGlobalError> steps_;  // of the run with the open bodies rigid
+  std::set<std::string> of_rigid_;           // names of quantities with the open bodies rigid
+  TruncationEstimate sizes_;                 // what the screening says about the outputs' sizes
   double span_ = 0.0;
   std::vector<std::string> restarts_;
   std::set<std::string> refined_;  // bodies with which the run has gone on with more

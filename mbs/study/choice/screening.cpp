@@ -58,7 +58,7 @@ Screening::Screening(const mbs::PreparedMechanism& run, FullModel& full, const s
       full_(full),
       file_(file),
       overrides_(std::move(overrides)),
-      shadows_(Shadows::make(run, full, HeldRows::kOfChoice)) {}
+      shadows_(Shadows::make(run, full, HeldRows::kOfChoice, kRowsCompared)) {}
 
 void Screening::ask_for_looks(mbs::RunCallbacks& callbacks) {
   if (!shadows_) return;
@@ -126,8 +126,10 @@ MatrixXd Screening::responses_of(const std::string& body) const {
   return basis ? basis->S : MatrixXd(block_of(body).m, 0);
 }
 
-// Of those again one in so many is compared: outputs cost more than the correction.
+// Of those again one in so many is compared: outputs cost more than the correction.  Where the shadows have followed the
+// same rows they have compared the same ones.
 std::size_t Screening::rows_compared() const {
+  if (rows_between() == 1) return shadows_->rows_compared();
   return std::max<std::size_t>(1, rows_.size() / rows_between() / kRowsCompared);
 }
 
@@ -199,8 +201,8 @@ std::optional<Candidate> Screening::fewest_held(const std::string& body, int few
   if (!held || held->S.cols() < 1) return std::nullopt;
   std::optional<Candidate> found;
   std::size_t low = 0, high = ladder.size();
-  while (low < high) {
-    const std::size_t middle = (low + high) / 2;
+  for (bool is_first = true; low < high; is_first = false) {
+    const std::size_t middle = is_first ? high - 1 : (low + high) / 2;
     const Index n = std::min<Index>(ladder[middle], held->S.cols());
     const MatrixXd S = held->S.leftCols(n);
     const VectorXd own = (S.transpose() * damping_of(full_, block).asDiagonal() * S).diagonal();
@@ -220,13 +222,14 @@ std::optional<Candidate> Screening::fewest_held(const std::string& body, int few
   return found;
 }
 
-// The fewest of `ladder`, by bisection: more modes lose less.
+// The fewest of `ladder`: more modes lose less.  Where the most of them are too few, which is soon seen, no other one is
+// asked; else by bisection.
 std::optional<Candidate> Screening::fewest(const ModalBlock& block, const std::vector<int>& ladder,
                                            const MatrixXd& responses, Goal& goal) {
   std::optional<Candidate> found;
   std::size_t low = 0, high = ladder.size();
-  while (low < high) {
-    const std::size_t middle = (low + high) / 2;
+  for (bool is_first = true; low < high; is_first = false) {
+    const std::size_t middle = is_first ? high - 1 : (low + high) / 2;
     const Candidate candidate = judge(block, ladder[middle], responses, goal);
     if (candidate.loss <= goal.share) {
       found = candidate;

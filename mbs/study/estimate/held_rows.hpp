@@ -24,7 +24,7 @@ class HeldRows {
   static constexpr Span kOfEstimates = {0.005, 16};
   /// For a choice, which a run with its own estimate follows: derivatives that are off by a part make the losses of all
   /// candidates off by this part.
-  static constexpr Span kOfChoice = {0.04, 64};
+  static constexpr Span kOfChoice = {0.1, 64};
 
   explicit HeldRows(FullModel& full, const Span& span = kOfEstimates) : full_(full), most_(span) {}
 

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -18,14 +19,15 @@ struct Alpha {
     beta = 0.25 * (1.0 + f - m) * (1.0 + f - m);
     gamma = 0.5 + f - m;
   }
+  double share() const { return (1.0 - f) / (1.0 - m); }
   double m, f, beta, gamma;
 };
 
 // Steps that resolve nothing damp it out; those that follow a transient leave its damping alone.
 constexpr double kRhoOfRows = 0.4, kRhoOfTransients = 0.8;
 constexpr int kFinest = 30;  // a step of a row is halved so often at most
-// A row in 2^k steps is worth the inverse: its product with a column is a plain one, triangular solutions pack theirs.
-constexpr int kWorthAnInverse = 5;
+// After so many steps with the same factors their operator is worth making: it costs what some thirty of them do.
+constexpr int kWorthAnOperator = 16;
 
 }  // namespace
 
@@ -96,25 +98,18 @@ LinearCorrection::LinearCorrection(Eigen::Index n, Eigen::Index columns) {
 void LinearCorrection::factor(double h, double rho, const LinearisedRow& row) {
   if (row.number != 0 && row.number == number_ && std::abs(h - h_) <= 1e-9 * h && rho == rho_) return;
   const Alpha alpha(rho);
-  const double share = (1.0 - alpha.f) / (1.0 - alpha.m);
-  A_.compute(h > 0.0 ? MatrixXd(row.M + h * alpha.gamma * share * row.D + h * h * alpha.beta * share * row.K)
+  A_.compute(h > 0.0 ? MatrixXd(row.M + h * alpha.gamma * alpha.share() * row.D +
+                                h * h * alpha.beta * alpha.share() * row.K)
                      : row.M);
-  inverse_.resize(0, 0);
+  operator_.clear();
+  uses_ = 0;
   number_ = row.number;
   h_ = h;
   rho_ = rho;
 }
 
-void LinearCorrection::solve(const MatrixXd& rhs, MatrixXd& x) const {
-  if (inverse_.rows() > 0)
-    x.noalias() = inverse_ * rhs;
-  else
-    x = A_.solve(rhs);
-}
-
-// G A^-1 G^T with B = A^-1 G^T; a part in 1e12 on its diagonal carries it over dead points and rows that others imply.
-void LinearCorrection::factor_schur(const MatrixXd& G, const MatrixXd& B) {
-  MatrixXd schur = G * B;
+// Of G A^-1 G^T; a part in 1e12 on its diagonal carries it over dead points and rows that others imply.
+void LinearCorrection::factor_schur(MatrixXd schur) {
   const double mean = schur.trace() / static_cast<double>(schur.rows());
   schur.diagonal().array() += 1e-12 * mean;
   schur_.compute(schur);
@@ -126,7 +121,7 @@ void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& 
     factor(h, kRhoOfRows, row);
     if (G.rows() > 0) {
       B_part_ = A_.solve(G.transpose());
-      factor_schur(G, B_part_);
+      factor_schur(G * B_part_);
     }
     step_once(h, kRhoOfRows, row, G, B_part_, load);
     if (transients && h > 0.0) transients->pass(h);
@@ -136,6 +131,8 @@ void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& 
   } else {
     // Steps h / 2^k, longer ones where the place in the row allows it.
     MatrixXd B_last, B, force;
+    std::array<MatrixXd, 3>
+        schur;  // with G and B on their ways from the last row: its powers of the part that is gone
     int k_last = -1;
     const bool holds = G.rows() > 0 && G.rows() == last_G_.rows() && G == last_G_;
     for (long place = 0, all = 1L << kFinest; place < all;) {
@@ -149,13 +146,15 @@ void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& 
       const double rho = dt > longest ? kRhoOfRows : kRhoOfTransients;
       if (k != k_last || rho != rho_) {
         factor(dt, rho, row);
-        if (k >= kWorthAnInverse && inverse_.rows() == 0) inverse_ = A_.inverse();
         if (G.rows() > 0) {
           B = A_.solve(G.transpose());
-          if (holds)
-            factor_schur(G, B);
-          else
+          if (holds) {
+            factor_schur(G * B);
+          } else {
             B_last = A_.solve(last_G_.transpose());
+            const MatrixXd G_change = G - last_G_, B_change = B - B_last;
+            schur = {last_G_ * B_last, G_change * B_last + last_G_ * B_change, G_change * B_change};
+          }
         }
         k_last = k;
       }
@@ -164,10 +163,12 @@ void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& 
       if (G.rows() > 0 && !holds) {
         G_part_ = last_G_ + part * (G - last_G_);
         B_part_ = B_last + part * (B - B_last);
-        factor_schur(G_part_, B_part_);
+        factor_schur(schur[0] + part * (schur[1] + part * schur[2]));
+        if (!operator_.is_there() && ++uses_ > kWorthAnOperator) make_operator(dt, rho, row, {}, {});
         step_once(dt, rho, row, G_part_, B_part_, force);
       } else {
-        step_once(dt, rho, row, G, B, force);
+        // Multipliers are those of the row.
+        place < all ? step_within_row(dt, rho, row, G, B, force) : step_once(dt, rho, row, G, B, force);
       }
       transients->pass(dt);
     }
@@ -176,44 +177,87 @@ void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& 
   last_load_ = load;
 }
 
+// What a step begins with: delta_new = predicted + to_acceleration acceleration_new.
+void LinearCorrection::predict(double h, double rho) {
+  const Alpha alpha(rho);
+  // auxiliary_new = ((1 - f) acceleration_new + f acceleration - m auxiliary) / (1 - m)
+  const double of_acceleration = alpha.f / (1.0 - alpha.m), of_auxiliary = -alpha.m / (1.0 - alpha.m);
+  predicted_ = delta_ + h * rate_ +
+               h * h *
+                   ((0.5 - alpha.beta + alpha.beta * of_auxiliary) * auxiliary_ +
+                    alpha.beta * of_acceleration * acceleration_);
+  predicted_rate_ = rate_ + h * ((1.0 - alpha.gamma + alpha.gamma * of_auxiliary) * auxiliary_ +
+                                 alpha.gamma * of_acceleration * acceleration_);
+}
+
+// And ends with, its accelerations known.
+void LinearCorrection::correct(double h, double rho) {
+  const Alpha alpha(rho);
+  delta_ = predicted_ + h * h * alpha.beta * alpha.share() * next_;
+  rate_ = predicted_rate_ + h * alpha.gamma * alpha.share() * next_;
+  auxiliary_ = ((1.0 - alpha.f) * next_ + alpha.f * acceleration_ - alpha.m * auxiliary_) / (1.0 - alpha.m);
+  acceleration_.swap(next_);
+}
+
 void LinearCorrection::step_once(double h, double rho, const LinearisedRow& row, const MatrixXd& G,
                                  const MatrixXd& B, const MatrixXd& load) {
-  const Alpha alpha(rho);
-  rhs_ = load;
-  double to_acceleration = 0.0, to_rate = 0.0;
-  if (h > 0.0) {
-    // auxiliary_new = ((1 - f) acceleration_new + f acceleration - m auxiliary) / (1 - m)
-    const double of_acceleration = alpha.f / (1.0 - alpha.m), of_auxiliary = -alpha.m / (1.0 - alpha.m);
-    predicted_ = delta_ + h * rate_ +
-                 h * h *
-                     ((0.5 - alpha.beta + alpha.beta * of_auxiliary) * auxiliary_ +
-                      alpha.beta * of_acceleration * acceleration_);
-    predicted_rate_ = rate_ + h * ((1.0 - alpha.gamma + alpha.gamma * of_auxiliary) * auxiliary_ +
-                                   alpha.gamma * of_acceleration * acceleration_);
-    const double share = (1.0 - alpha.f) / (1.0 - alpha.m);
-    to_acceleration = h * h * alpha.beta * share;  // delta_new = predicted + to_acceleration acceleration_new
-    to_rate = h * alpha.gamma * share;
-    rhs_.noalias() -= row.D * predicted_rate_;
-    rhs_.noalias() -= row.K * predicted_;
-  }
+  if (h > 0.0) predict(h, rho);
   // [A G^T; G 0] (acceleration, dlambda) = (rhs, 0 or what closes the loops at position level).
-  solve(rhs_, next_);
+  if (h > 0.0 && operator_.is_there() && operator_G_.rows() == 0) {
+    operator_.apply(load, predicted_rate_, predicted_, next_);
+  } else {
+    rhs_ = load;
+    if (h > 0.0) {
+      rhs_.noalias() -= row.D * predicted_rate_;
+      rhs_.noalias() -= row.K * predicted_;
+    }
+    next_ = A_.solve(rhs_);
+  }
   if (G.rows() > 0) {
     gap_.noalias() = G * next_;
-    if (h > 0.0) gap_.noalias() += G * predicted_ / to_acceleration;
+    const Alpha alpha(rho);
+    if (h > 0.0) gap_.noalias() += G * predicted_ / (h * h * alpha.beta * alpha.share());
     dlambda_ = schur_.solve(gap_);
     next_.noalias() -= B * dlambda_;
   } else {
     dlambda_.resize(0, load.cols());
   }
   if (h > 0.0) {
-    delta_ = predicted_ + to_acceleration * next_;
-    rate_ = predicted_rate_ + to_rate * next_;
-    auxiliary_ = ((1.0 - alpha.f) * next_ + alpha.f * acceleration_ - alpha.m * auxiliary_) / (1.0 - alpha.m);
+    correct(h, rho);
   } else {
     auxiliary_ = next_;
+    acceleration_.swap(next_);
   }
-  acceleration_.swap(next_);
+}
+
+// Of G that stays: with P = I - B (G B)^-1 G
+//   next = P A^-1 (load - D rate - K position) - B (G B)^-1 G position / to_acceleration;
+// without one P = I, and the rest is step_once's.
+void LinearCorrection::make_operator(double h, double rho, const LinearisedRow& row, const MatrixXd& G,
+                                     const MatrixXd& B) {
+  MatrixXd W_load = A_.inverse(), closing;
+  if (G.rows() > 0) {
+    closing = B * schur_.solve(G);
+    W_load -= closing * W_load.eval();
+  }
+  const MatrixXd W_rate = -W_load * row.D;
+  MatrixXd W_position = -W_load * row.K;
+  const Alpha alpha(rho);
+  if (G.rows() > 0) W_position -= closing / (h * h * alpha.beta * alpha.share());
+  operator_.set({&W_load, &W_rate, &W_position});
+  operator_G_ = G;
+}
+
+// The same, G that of the row before, and without multipliers.
+void LinearCorrection::step_within_row(double h, double rho, const LinearisedRow& row, const MatrixXd& G,
+                                       const MatrixXd& B, const MatrixXd& load) {
+  if (!(operator_.is_there() && G.rows() == operator_G_.rows() && (G.rows() == 0 || G == operator_G_))) {
+    if (++uses_ <= kWorthAnOperator) return step_once(h, rho, row, G, B, load);
+    make_operator(h, rho, row, G, B);
+  }
+  predict(h, rho);
+  operator_.apply(load, predicted_rate_, predicted_, next_);
+  correct(h, rho);
 }
 
 }  // namespace flexura::study

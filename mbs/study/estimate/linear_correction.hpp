@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "mbs/study/estimate/step_operator.hpp"
+
 /// The linear equations of a small correction to a run,
 ///
 ///     M delta'' + D delta' + K delta + G^T dlambda = f(t),      G delta = 0,
@@ -66,15 +68,23 @@ class LinearCorrection {
 
  private:
   void factor(double h, double rho, const LinearisedRow& row);
-  void solve(const Eigen::MatrixXd& rhs, Eigen::MatrixXd& x) const;
-  void factor_schur(const Eigen::MatrixXd& G, const Eigen::MatrixXd& B);
+  void factor_schur(Eigen::MatrixXd schur);
+  void make_operator(double h, double rho, const LinearisedRow& row, const Eigen::MatrixXd& G,
+                     const Eigen::MatrixXd& B);
   void step_once(double h, double rho, const LinearisedRow& row, const Eigen::MatrixXd& G,
                  const Eigen::MatrixXd& B, const Eigen::MatrixXd& load);
+  void step_within_row(double h, double rho, const LinearisedRow& row, const Eigen::MatrixXd& G,
+                       const Eigen::MatrixXd& B, const Eigen::MatrixXd& load);
+  void predict(double h, double rho);
+  void correct(double h, double rho);
 
   Eigen::MatrixXd delta_, rate_, acceleration_, auxiliary_, dlambda_;
   Eigen::MatrixXd last_G_, last_load_;
   Eigen::PartialPivLU<Eigen::MatrixXd> A_;  // of the step solved last
-  Eigen::MatrixXd inverse_;                 // its inverse, where many steps are solved with it; else empty
+  // Where many steps are solved with it, and these of a G that stays the same: what makes one of them.
+  StepOperator operator_;
+  Eigen::MatrixXd operator_G_;
+  int uses_ = 0;  // steps within rows that these factors have made
   Eigen::PartialPivLU<Eigen::MatrixXd> schur_;
   // Of a step; kept, since short steps of few coordinates would spend most of their time on memory.
   Eigen::MatrixXd predicted_, predicted_rate_, rhs_, next_, G_part_, B_part_, gap_;

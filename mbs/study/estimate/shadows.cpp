@@ -18,13 +18,17 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 struct Shadows::Impl {
-  Impl(const mbs::PreparedMechanism& run, FullModel& full_model, const HeldRows::Span& span)
+  Impl(const mbs::PreparedMechanism& run, FullModel& full_model, const HeldRows::Span& span,
+       double most_compared)
       : full(full_model),
         embedding(*run.mechanism, full_model),
         asked(!run.file.outputs.empty()),
         tolerance(run.options.tolerance),
         families(full_model.mechanism(), length_of(run)),
         every(rows_between(run)),
+        compared(std::max(
+            1L, static_cast<long>((run.options.end_time - run.options.start_time) / run.options.output_step /
+                                  static_cast<double>(every) / most_compared))),
         step_looks(run.options.end_time - run.options.start_time),
         linearised(full_model, span) {}
 
@@ -44,7 +48,8 @@ struct Shadows::Impl {
   double tolerance;
   Families families;
   bool joints_feel_nothing = false;
-  long every = 1, rows = 0, taken = 0;
+  long every = 1, compared = 1, rows = 0, even_rows = 0, taken = 0;
+  double t_compared = 0.0;
   double wall = 0.0, t = 0.0, span = 0.0;
   double missed = 0.0, rows_apart = 0.0;
   std::vector<double> look_at;
@@ -155,8 +160,8 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, const 
 }
 
 std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullModel& full,
-                                       const HeldRows::Span& span) {
-  auto impl = std::make_unique<Impl>(run, full, span);
+                                       const HeldRows::Span& span, double most_compared) {
+  auto impl = std::make_unique<Impl>(run, full, span, most_compared);
   Impl& in = *impl;
   for (std::size_t i = 0; i < full.blocks().size(); ++i) {
     in.joints_feel_nothing = in.joints_feel_nothing || in.embedding.one_way(i);
@@ -215,9 +220,12 @@ bool Shadows::Impl::follow(const mbs::State& at, const VectorXd& v_dot_at, bool 
   jumped = taken > 0 && jumps_before(at.t);
   if (jumped) transients.begin();
   correction->step(h, *linearised.row(), linearised.G(), loads(), &transients, jumped);
-  compare(h);
+  if (taken % compared == 0) {
+    compare(taken > 0 ? at.t - t_compared : 0.0);
+    t_compared = at.t;
+  }
   // Sizes are means over rows, which lie evenly.
-  if (is_row) families.take(s, v_dot);
+  if (is_row && even_rows++ % compared == 0) families.take(s, v_dot);
   t = at.t;
   ++taken;
   wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -247,6 +255,9 @@ bool Shadows::look(const mbs::State& s, const VectorXd& v_dot) {
   return impl_->follow(s, v_dot, false);
 }
 
+std::size_t Shadows::rows_compared() const {
+  return static_cast<std::size_t>(impl_->compared);
+}
 const std::vector<int>& Shadows::outputs() const {
   return impl_->outputs;
 }

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -60,9 +61,11 @@ class Shadows {
   /// model, which takes all geometric stiffening that the superelements know.
   static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
                                        const std::vector<std::string>& overrides);
-  /// The same with a full model that outlives it.
+  /// The same with a full model that outlives it.  Outputs cost as much as all the rest of a row: they are compared at some
+  /// `most_compared` rows, where the run has so many.
   static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, FullModel& full,
-                                       const HeldRows::Span& span = HeldRows::kOfEstimates);
+                                       const HeldRows::Span& span = HeldRows::kOfEstimates,
+                                       double most_compared = std::numeric_limits<double>::infinity());
   ~Shadows();
 
   /// Asks for what rows do not show: events that are known beforehand (KnownTimes::looks), and steps that the
@@ -79,9 +82,11 @@ class Shadows {
 
   TruncationEstimate estimate() const;
 
+  /// Of the rows taken, looks among them, one in so many has its outputs compared, the first one to begin with.
+  std::size_t rows_compared() const;
   /// The outputs that are compared: quantities of the full model.
   const std::vector<int>& outputs() const;
-  /// At the last row taken: squared errors of the outputs, integrated until then.
+  /// Squared errors of the outputs, integrated until the last row compared.
   const Eigen::VectorXd& squares() const;
   /// At the last row taken: the run's state in the full model, and that state corrected.
   const mbs::State& embedded() const;
@@ -91,7 +96,7 @@ class Shadows {
   const HeldRows& linearised() const;
   bool jumped() const;  ///< a load that is known beforehand has jumped since the row taken before
   mbs::State corrected(Eigen::VectorXd& v_dot) const;
-  const Eigen::VectorXd& corrected_outputs() const;
+  const Eigen::VectorXd& corrected_outputs() const;  ///< at the last row compared
 
  private:
   struct Impl;

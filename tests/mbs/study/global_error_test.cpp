@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mbs/mechanism/describe.hpp"
+#include "mbs/study/estimate/later_global_error.hpp"
 #include "tests/app/command.hpp"
 #include "tests/mbs/study/rows_of_run.hpp"
 #include "tests/mbs/study/twelve_mechanisms.hpp"
@@ -109,6 +110,29 @@ IntegratorEstimate told(const std::string& text, const std::vector<std::string>&
   error->watch(callbacks);
   EXPECT_TRUE(mbs::run(*p.mechanism, p.state, p.v_dot, p.options, callbacks).complete);
   return error->estimate();
+}
+
+// Told behind the run from what was remembered of its steps, or from the first of them that no longer fits, it is the same.
+TEST(IntegratorsShareLater, IsTheSame) {
+  const twelve::Mechanism mechanism = twelve::mechanisms().front();
+  const Folder folder;
+  const mbs::PreparedMechanism p =
+      mbs::prepare(mechanism.file.empty() ? folder.write("mechanism.toml", mechanism.text) : mechanism.file,
+                   mechanism.set);
+  const auto run = [&](auto& error) {
+    mbs::RunCallbacks callbacks;
+    error.watch(callbacks);
+    EXPECT_TRUE(mbs::run(*p.mechanism, p.state, p.v_dot, p.options, callbacks).complete);
+    return error.estimate();
+  };
+  const IntegratorEstimate at_once = run(*GlobalError::make(p));
+  EXPECT_GT(at_once.error, 0.0);
+  for (const double most_memory : {0.0, 1e5, 1e9}) {
+    const IntegratorEstimate later = run(*LaterGlobalError::make(p, most_memory));
+    EXPECT_EQ(later.error, at_once.error) << most_memory;
+    EXPECT_EQ(later.output, at_once.output) << most_memory;
+    EXPECT_EQ(later.note, at_once.note) << most_memory;
+  }
 }
 
 TEST(IntegratorsShareUnknown, IsCalledSo) {
