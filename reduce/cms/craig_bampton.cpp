@@ -27,6 +27,7 @@
 #include "reduce/linalg/eigen/eigensolver.hpp"
 #include "reduce/linalg/factor/factor_store.hpp"
 #include "reduce/linalg/petsc/log_stage.hpp"
+#include "reduce/linalg/session/freed_memory.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -103,6 +104,7 @@ class ReductionStages {
   }
 
   Cut run() {
+    kept_.emplace();
     find_constraint_modes();
     answer_acceleration();
     const linalg::EigenProblem problem = fixed_interface_problem(model_, *solver_, options_.storage);
@@ -116,6 +118,7 @@ class ReductionStages {
     project_basis();
     stiffen();
     solver_.reset();  // what follows takes memory of its own
+    kept_.reset();
     if (options_.estimate_error && fixed_modes_ && !has_faces()) estimate_dropped(omega2_left_out);
     estimate_mesh();
     recover();
@@ -315,6 +318,7 @@ class ReductionStages {
   linalg::LogStage stage_{"Factorisation"};
   std::optional<TiedSolver> solver_;
   std::optional<linalg::SomeCores> cores_;  // of a team's rank
+  std::optional<linalg::KeepFreedMemory> kept_;
   ConstraintModes constraint_;
   InteriorDynamics interior_;
   MatrixXd Mhat_, answer_;  // M_ib + M_ii Psi, and the answer to it by stiffness alone

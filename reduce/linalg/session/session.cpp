@@ -1,7 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/linalg/session/session.hpp"
 
-#include <malloc.h>
 #include <slepcsys.h>
 
 #include <cctype>
@@ -15,6 +14,7 @@
 #include "reduce/linalg/eigen/block_lanczos_type.hpp"
 #include "reduce/linalg/factor/fronts_package.hpp"
 #include "reduce/linalg/petsc/petsc_check.hpp"
+#include "reduce/linalg/session/freed_memory.hpp"
 
 namespace flexura::linalg {
 namespace {
@@ -116,12 +116,7 @@ Session::Session() {
     register_fronts();
     register_block_lanczos();
     require_blas_memory(1);
-    // MPI has told the allocator to keep all it ever had, for the sake of network cards.  Arrays from 4 MB on
-    // are mapped one by one again and given back when they are freed: a fifth of the memory of large parts
-    // was holes.
-    mallopt(M_MMAP_MAX, 65536);
-    mallopt(M_MMAP_THRESHOLD, 4 << 20);
-    mallopt(M_TRIM_THRESHOLD, 4 << 20);
+    give_back_freed_memory();  // MPI has told the allocator to keep all it ever had, for the sake of network cards
   }
   ++open_sessions;
 }
