@@ -18,8 +18,10 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+constexpr int kNarrowBlock = 8, kWideBlock = 16;
+
 struct Data {
-  PetscInt block = 16;
+  PetscInt block = PETSC_DECIDE;
   PetscInt slice = PETSC_DECIDE;  // modes of a slice; 0: one basis
   BlockLanczosContext* context = nullptr;
 };
@@ -118,6 +120,13 @@ double room_for_vectors(EPS eps) {
   return least;
 }
 
+// Right-hand sides together.  Narrow blocks need a third less of them; wide ones pass along a long basis half as often.
+int width_of_blocks(EPS eps) {
+  constexpr PetscInt kMany = 200;
+  if (data(eps).block > 0) return static_cast<int>(data(eps).block);
+  return eps->nev < kMany ? kNarrowBlock : kWideBlock;
+}
+
 // Modes of a slice, 0 for one basis: the user's choice, or what is faster.
 int modes_of_slice(EPS eps) {
   const Data& own = data(eps);
@@ -131,12 +140,12 @@ int modes_of_slice(EPS eps) {
   if (!own.context->problem->shifted) return 0;
   if (own.slice >= 0) return static_cast<int>(own.slice);
   return modes_per_slice(*own.context->problem, static_cast<double>(eps->n), static_cast<int>(eps->nev),
-                         static_cast<int>(own.block));
+                         width_of_blocks(eps));
 }
 
 // Thrown out of a search up to a frequency in one basis when it is seen that there are many modes.
 struct ManyModes {
-  int slice = 0;  // modes of a slice
+  int slice = 0, block = 0;  // modes of a slice
 };
 
 void abandon_if_many(EPS eps, const EigenProblem& problem, const EigenRequest& request,
@@ -145,15 +154,14 @@ void abandon_if_many(EPS eps, const EigenProblem& problem, const EigenRequest& r
   if (!(request.omega2_max > 0.0) || known < kEnoughToTell || data(eps).slice >= 0) return;
   const double count = expected_below(omega2.head(known), request.omega2_max);
   if (count < 3.0 * static_cast<double>(known)) return;  // it has come too far
+  const int block = data(eps).block > 0 ? static_cast<int>(data(eps).block) : kWideBlock;
   const int slice =
-      modes_per_slice(problem, static_cast<double>(eps->n), static_cast<int>(std::min(count, 1e6)),
-                      static_cast<int>(data(eps).block));
-  if (slice > 0) throw ManyModes{slice};
+      modes_per_slice(problem, static_cast<double>(eps->n), static_cast<int>(std::min(count, 1e6)), block);
+  if (slice > 0) throw ManyModes{slice, block};
 }
 
 PetscInt vectors_of_basis(EPS eps, double room) {
-  const auto count = static_cast<int>(eps->nev), block = static_cast<int>(data(eps).block);
-  const int slice = modes_of_slice(eps);
+  const int count = static_cast<int>(eps->nev), block = width_of_blocks(eps), slice = modes_of_slice(eps);
   return static_cast<PetscInt>(slice == 0 ? block_lanczos_vectors(count, block, room)
                                           : slice_vectors(slice, block, room - static_cast<double>(count)));
 }
@@ -174,8 +182,7 @@ PetscErrorCode set_up(EPS eps) {
     if (eps->nds > 0) throw std::invalid_argument("block Lanczos knows no deflation space");
     if (eps->tol == PETSC_DEFAULT) eps->tol = SLEPC_DEFAULT_TOL;
     if (eps->max_it == PETSC_DEFAULT) eps->max_it = 2000;
-    const int block = static_cast<int>(data(eps).block);
-    const auto most = static_cast<PetscInt>(eps->n + 2 * block);
+    const auto most = static_cast<PetscInt>(eps->n + 2 * width_of_blocks(eps));
     if (eps->ncv == PETSC_DEFAULT) eps->ncv = std::min(most, vectors_of_basis(eps, room_for_vectors(eps)));
     eps->mpd = eps->ncv;
     ok(EPSAllocateSolution(eps, 0));
@@ -225,7 +232,7 @@ PetscErrorCode solve(EPS eps) {
       progress = own.context->progress;
     }
     BlockLanczosSettings settings;
-    settings.block = static_cast<int>(own.block);
+    settings.block = width_of_blocks(eps);
     settings.most_vectors = static_cast<int>(eps->ncv);
     settings.most_blocks = static_cast<int>(eps->max_it);
     settings.none_below = !own.context;
@@ -256,6 +263,7 @@ PetscErrorCode solve(EPS eps) {
           pairs = iterate_block_lanczos(problem, request, settings, progress);
         } catch (const ManyModes& many) {
           slice = many.slice;
+          settings.block = many.block;
           settings.most_vectors =
               std::max(settings.most_vectors, slice_vectors(slice, settings.block, room_for_vectors(eps)));
         }
@@ -296,8 +304,12 @@ PetscErrorCode compute_vectors(EPS) {
 
 PetscErrorCode set_from_options(EPS eps, PetscOptionItems* PetscOptionsObject) {
   PetscOptionsHeadBegin(PetscOptionsObject, "EPS block Lanczos options");
-  PetscCall(PetscOptionsBoundedInt("-eps_blocklanczos_block", "right-hand sides solved for together", "",
-                                   data(eps).block, &data(eps).block, nullptr, 1));
+  PetscInt block = data(eps).block > 0 ? data(eps).block : kNarrowBlock;
+  PetscBool given = PETSC_FALSE;
+  PetscCall(PetscOptionsBoundedInt("-eps_blocklanczos_block",
+                                   "right-hand sides solved for together; 8, or 16 for many modes", "", block,
+                                   &block, &given, 1));
+  if (given) data(eps).block = block;
   PetscCall(PetscOptionsInt("-eps_blocklanczos_slice",
                             "modes of a slice of the spectrum; 0: one basis for all", "", data(eps).slice,
                             &data(eps).slice, nullptr));
@@ -311,7 +323,7 @@ PetscErrorCode view(EPS eps, PetscViewer viewer) {
   if (ascii)
     PetscCall(PetscViewerASCIIPrintf(
         viewer, "  blocks of %d right-hand sides, full reorthogonalisation, thick restarts\n",
-        static_cast<int>(data(eps).block)));
+        width_of_blocks(eps)));
   return 0;
 }
 

@@ -9,7 +9,7 @@
 
 /// Block Lanczos (block_lanczos.hpp) as an eigensolver type of SLEPc, beside its own:
 ///
-///     EPSSetType(eps, "blocklanczos")        -eps_type blocklanczos -eps_blocklanczos_block 16
+///     EPSSetType(eps, "blocklanczos")        -eps_type blocklanczos -eps_blocklanczos_block 8
 ///
 /// For Hermitian problems K x = lambda M x, M positive definite (EPS_HEP, EPS_GHEP), by shift-and-invert: the ST is
 /// STSINVERT with a shift below the spectrum, whose KSP solves blocks of right-hand sides (KSPMatSolve); the basis is

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
-#include <queue>
+#include <utility>
 
 #include "reduce/linalg/dense/blas_threads.hpp"
 #include "reduce/linalg/dense/parallel.hpp"
@@ -30,10 +30,15 @@ Fronts<Real>::Fronts(const UpperCsr& A, SupernodalFactor& L, bool must_be_defini
     : A_(A),
       L_(L),
       must_be_definite_(must_be_definite),
+      tree_(supernode_tree(L.first_column_, L.first_row_, L.rows_)),
       updates_(L.n_supernodes()),
       owned_(L.n_supernodes()) {
-  build_tree();
-  divide();
+  std::vector<double> work(L.n_supernodes());
+  for (int s = 0; s < L.n_supernodes(); ++s) {
+    const double w = L.width(s), h = L.height(s);
+    work[s] = w * h * h;
+  }
+  subtrees_ = divide(tree_, std::move(work), n_cores());
 }
 
 template <class Real>
@@ -44,14 +49,14 @@ int Fronts<Real>::run() {
   static_cast<void>(has_room);
   permute();
   const std::size_t stack = room();
-  parallel_for(static_cast<int>(roots_.size()), [&](int k) {
+  parallel_for(static_cast<int>(subtrees_.roots.size()), [&](int k) {
     Scratch scratch = take_scratch(stack);
-    process_subtree(roots_[k], scratch);
+    process_subtree(subtrees_.roots[k], scratch);
     give_back(std::move(scratch));
   });
   spare_.clear();
   std::vector<int> place(L_.n_);
-  for (const int s : top_) {
+  for (const int s : subtrees_.top) {
     owned_[s].reset(new Real[n_updates(s)]);
     process(s, true, place, owned_[s].get());
   }
@@ -63,14 +68,14 @@ template <class Real>
 double Fronts<Real>::peak_bytes() const {
   // Subtrees: each core its stack; the roots' updates wait.  Numbers of L come as they are written.
   double numbers = static_cast<double>(n_cores()) * static_cast<double>(room()), most = 0.0;
-  for (const int root : roots_) {
-    for (int s = first_descendant_[root]; s <= root; ++s)
+  for (const int root : subtrees_.roots) {
+    for (int s = tree_.first_descendant[root]; s <= root; ++s)
       numbers += static_cast<double>(L_.first_value_[s + 1] - L_.first_value_[s]);
     numbers += static_cast<double>(n_updates(root));
   }
   most = numbers;
   numbers -= static_cast<double>(n_cores()) * static_cast<double>(room());
-  for (const int s : top_) {
+  for (const int s : subtrees_.top) {
     numbers +=
         static_cast<double>(L_.first_value_[s + 1] - L_.first_value_[s]) + static_cast<double>(n_updates(s));
     most = std::max(most, numbers);
@@ -88,7 +93,7 @@ std::size_t Fronts<Real>::n_updates(int s) const {
 template <class Real>
 std::size_t Fronts<Real>::n_updates_of_children(int s) const {
   std::size_t sum = 0;
-  for (const int child : children_[s]) sum += n_updates(child);
+  for (const int child : tree_.children[s]) sum += n_updates(child);
   return sum;
 }
 
@@ -112,7 +117,7 @@ void Fronts<Real>::give_back(Scratch scratch) {
 template <class Real>
 std::size_t Fronts<Real>::stack_size(int root) const {
   std::size_t height = 0, greatest = 0;
-  for (int s = first_descendant_[root]; s <= root; ++s) {
+  for (int s = tree_.first_descendant[root]; s <= root; ++s) {
     greatest = std::max(greatest, height + n_updates(s));
     height += n_updates(s) - n_updates_of_children(s);
   }
@@ -122,14 +127,14 @@ std::size_t Fronts<Real>::stack_size(int root) const {
 template <class Real>
 std::size_t Fronts<Real>::room() const {
   std::size_t room = 0;
-  for (const int root : roots_) room = std::max(room, stack_size(root));
+  for (const int root : subtrees_.roots) room = std::max(room, stack_size(root));
   return room;
 }
 
 template <class Real>
 void Fronts<Real>::process_subtree(int root, Scratch& scratch) {
   std::size_t height = 0;
-  for (int s = first_descendant_[root]; s <= root; ++s) {
+  for (int s = tree_.first_descendant[root]; s <= root; ++s) {
     Real* made = scratch.stack.get() + height;
     process(s, false, scratch.place, made);
     height -= n_updates_of_children(s);
@@ -163,47 +168,6 @@ void Fronts<Real>::permute() {
     }
 }
 
-// Supernodes are in postorder: the subtree of s is first_descendant_[s] ... s.
-template <class Real>
-void Fronts<Real>::build_tree() {
-  const int n = L_.n_supernodes();
-  std::vector<int> supernode_of(L_.n_);
-  for (int s = 0; s < n; ++s) std::fill_n(supernode_of.begin() + L_.first_column_[s], L_.width(s), s);
-  children_.resize(n);
-  first_descendant_.resize(n);
-  work_.resize(n);
-  std::iota(first_descendant_.begin(), first_descendant_.end(), 0);
-  parent_.assign(n, -1);
-  for (int s = 0; s < n; ++s) {
-    const double w = L_.width(s), h = L_.height(s);
-    work_[s] += w * h * h;
-    if (L_.width(s) == L_.height(s)) continue;
-    const int p = parent_[s] = supernode_of[L_.rows_[L_.first_row_[s] + L_.width(s)]];
-    children_[p].push_back(s);
-    first_descendant_[p] = std::min(first_descendant_[p], first_descendant_[s]);
-    work_[p] += work_[s];
-  }
-}
-
-// Roots of subtrees small enough to be shared out evenly, and what is above them.
-template <class Real>
-void Fronts<Real>::divide() {
-  const auto smaller = [this](int a, int b) { return work_[a] < work_[b]; };
-  std::priority_queue<int, std::vector<int>, decltype(smaller)> heap(smaller);
-  double total = 0.0;
-  for (int s = 0; s < L_.n_supernodes(); ++s)
-    if (parent_[s] < 0) heap.push(s), total += work_[s];
-  const double enough = n_cores() == 1 ? total : total / (6.0 * n_cores());
-  while (!heap.empty() && work_[heap.top()] > enough) {
-    const int s = heap.top();
-    heap.pop();
-    top_.push_back(s);
-    for (const int child : children_[s]) heap.push(child);
-  }
-  for (; !heap.empty(); heap.pop()) roots_.push_back(heap.top());
-  std::sort(top_.begin(), top_.end());
-}
-
 // The columns of supernode s, and what they leave to the rows below: U.
 template <class Real>
 void Fronts<Real>::process(int s, bool on_all_cores, std::vector<int>& place, Real* U) {
@@ -224,7 +188,7 @@ void Fronts<Real>::process(int s, bool on_all_cores, std::vector<int>& place, Re
     for (int k = begin_[column_of_L]; k < begin_[column_of_L + 1]; ++k)
       column[place[row_[k]]] += static_cast<Real>(entry_[k]);
   }
-  for (const int child : children_[s]) {
+  for (const int child : tree_.children[s]) {
     add_update(child, place, shape, F, U, on_all_cores);
     owned_[child].reset();  // others lie on the stack of the subtree
   }

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "reduce/linalg/factor/subtrees.hpp"
 #include "reduce/linalg/factor/supernodal_factor.hpp"
 
 namespace flexura::linalg {
@@ -39,8 +40,6 @@ class Fronts {
   std::size_t stack_size(int root) const;
   std::size_t room() const;  // of the largest stack
   void permute();
-  void build_tree();
-  void divide();
   Scratch take_scratch(std::size_t room);
   void give_back(Scratch scratch);
   void process_subtree(int root, Scratch& scratch);
@@ -54,10 +53,8 @@ class Fronts {
   bool must_be_definite_;
   std::vector<int> begin_, row_;  // the lower triangle of P A P^T by columns
   std::vector<double> entry_;
-  std::vector<int> parent_, first_descendant_;
-  std::vector<std::vector<int>> children_;
-  std::vector<double> work_;      // of the subtree
-  std::vector<int> roots_, top_;  // subtrees for one core, the largest first; what is above them, in order
+  SupernodeTree tree_;
+  Subtrees subtrees_;
   std::vector<const Real*> updates_;
   std::vector<std::unique_ptr<Real[]>> owned_;  // updates from subtrees and at the top
   std::mutex mutex_;

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "reduce/linalg/dense/parallel.hpp"
 #include "reduce/linalg/factor/supernodal_factor.hpp"
 
 namespace flexura::linalg {
@@ -161,6 +162,26 @@ SupernodalFactor::SupernodalFactor(const UpperCsr& A, std::vector<int> order, In
   flops_ = analysis.flops;
   for (int s = 0; s < n_supernodes(); ++s)
     first_value_.push_back(first_value_.back() + static_cast<std::int64_t>(shape(s).size()));
+  plan_solves();
+}
+
+void SupernodalFactor::plan_solves() {
+  SupernodeTree tree = supernode_tree(first_column_, first_row_, rows_);
+  std::vector<double> work(n_supernodes());
+  for (int s = 0; s < n_supernodes(); ++s) work[s] = static_cast<double>(shape(s).size());
+  plan_ = {divide(tree, std::move(work), n_cores()), std::move(tree.first_descendant), {}, {}};
+  plan_.place.resize(rows_.size());
+  std::vector<int> place(n_);
+  for (const int root : plan_.subtrees.roots) {
+    for (int r = 0; r < height(root) - width(root); ++r) place[rows_[first_row_[root] + width(root) + r]] = r;
+    std::ptrdiff_t longest = 0;
+    for (int s = plan_.first_descendant[root]; s <= root; ++s) {
+      longest = std::max<std::ptrdiff_t>(longest, height(s));
+      for (int r = first_row_[s]; r < first_row_[s + 1]; ++r)
+        if (rows_[r] >= first_column_[root + 1]) plan_.place[r] = place[rows_[r]];
+    }
+    plan_.longest.push_back(longest);
+  }
 }
 
 }  // namespace flexura::linalg

@@ -10,6 +10,7 @@
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
 #include "reduce/linalg/dense/trapezoid.hpp"
 #include "reduce/linalg/factor/factor_store.hpp"
+#include "reduce/linalg/factor/subtrees.hpp"
 
 namespace flexura::linalg {
 
@@ -17,6 +18,15 @@ namespace flexura::linalg {
 /// cuts the rows into groups of consecutive rows with the same pattern (the directions of one node),
 /// ascending, first 0, last n; the graph is that of the groups.  Empty: each row its own group.
 std::vector<int> nested_dissection(const UpperCsr& A, std::span<const int> group_begin = {});
+
+/// Who does what in a solve.
+struct SolvePlan {
+  Subtrees subtrees;
+  std::vector<int> first_descendant;
+  std::vector<std::ptrdiff_t> longest;  ///< rows of the longest supernode of each subtree
+  /// Beside `rows`, for those above a subtree: which of its root's rows below it is.
+  std::vector<int> place;
+};
 
 /// A supernodal factor of a sparse symmetric matrix,
 ///
@@ -47,7 +57,7 @@ class SupernodalFactor {
   /// the caller's.
   int factorise(const UpperCsr& A, bool must_be_definite, const FactorStorage& storage = {});
 
-  /// X = A^-1 B for n x k right-hand sides, by panels of eight columns, one panel per core at a time.
+  /// X = A^-1 B for n x k right-hand sides, by panels of eight columns on all cores.
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::MatrixXd& X) const;
   /// Likewise where X has its size; X may be B.
   void solve_into(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const;
@@ -71,6 +81,7 @@ class SupernodalFactor {
  private:
   template <class Real>
   friend class Fronts;
+  void plan_solves();
   template <class Real>
   int run(const UpperCsr& A, bool must_be_definite, const FactorStorage& storage);
   template <class Real>
@@ -90,6 +101,7 @@ class SupernodalFactor {
   std::vector<int> order_;
   std::vector<int> first_column_, first_row_, rows_;
   std::vector<std::int64_t> first_value_;
+  SolvePlan plan_;
   FactorStore values_;
   bool single_ = false;
   std::vector<double> signs_, diagonal_;  // of the columns of L
