@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mbs/base/threads/pool.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 #include "reduce/linalg/eigen/eigensolver.hpp"
 #include "reduce/linalg/factor/cholesky.hpp"
@@ -223,6 +224,28 @@ TEST(SupernodalFactor, WideIndicesGiveTheSameFactor) {
   narrow.solve(B, X);
   wide.solve(B, Y);
   EXPECT_EQ(X, Y);
+}
+
+// Subtrees, what is above them and panels of right-hand sides are cut otherwise for each number of cores and of columns.
+TEST(SupernodalFactor, SolvesAnyNumberOfColumnsOnAnyNumberOfCores) {
+  const SymmetricMatrix A = shifted_cube(22, 0.0);
+  const std::vector<int> order = nested_dissection(A.csr());
+  const int before = threads::count();
+  for (const int n_cores : {1, 2, 7}) {
+    threads::set_count(n_cores);
+    SupernodalFactor L(A.csr(), order);
+    ASSERT_EQ(L.factorise(A.csr(), true), -1);
+    for (const int n_columns : {1, 3, 5, 8, 12, 16, 19}) {
+      const Eigen::MatrixXd B = random_matrix(A.size(), n_columns);
+      Eigen::MatrixXd X, AX;
+      L.solve(B, X);
+      A.multiply(X, AX);
+      // A few hundred sums of round-off at most, the matrix' condition is 200.
+      EXPECT_LT((AX - B).colwise().norm().maxCoeff(), 1e-12 * B.norm())
+          << n_columns << " columns on " << n_cores << " cores";
+    }
+  }
+  threads::set_count(before);
 }
 
 TEST(Inertia, ALimitOnAnEigenvalueIsRefused) {

@@ -21,6 +21,10 @@ template <class Work>
 __attribute__((target("avx2,fma"))) void run_with_avx2(const Work& work) {
   work();
 }
+template <class Work>
+__attribute__((target("avx512f,avx512vl,avx512dq,avx2,fma"))) void run_with_avx512(const Work& work) {
+  work();
+}
 #endif
 
 /// Calls work() compiled for the machine at hand: programs are built for any x86-64, whose registers hold two
@@ -32,6 +36,17 @@ void on_this_machine(const Work& work) {
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return run_with_avx2(work);
 #endif
   work();
+}
+
+/// Likewise for long loops, with registers for eight numbers where there are any.
+template <class Work>
+void on_wide_registers(const Work& work) {
+#ifdef __x86_64__
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+      __builtin_cpu_supports("avx512dq"))
+    return run_with_avx512(work);
+#endif
+  on_this_machine(work);
 }
 
 }  // namespace flexura

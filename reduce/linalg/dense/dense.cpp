@@ -128,7 +128,7 @@ Eigen::MatrixXd transpose_times(const Eigen::Ref<const Eigen::MatrixXd>& A,
       return;
     }
     std::vector<double> panels(static_cast<std::size_t>(padded(B.cols()) * A.cols()), 0.0);
-    on_this_machine([&]() __attribute__((always_inline)) { transposed_share(a, b, panels.data()); });
+    on_wide_registers([&]() __attribute__((always_inline)) { transposed_share(a, b, panels.data()); });
     store_panels(panels.data(), 0, A.cols(), C[k]);
     C[k] = -C[k];
   });
@@ -150,7 +150,7 @@ void add_product(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& A,
     const Ref a = A.middleRows(first, height);
     Eigen::Ref<Eigen::MatrixXd> c = C.middleRows(first, height);
     if (few)
-      on_this_machine([&]() __attribute__((always_inline)) { product_share(a, panels.data(), c); });
+      on_wide_registers([&]() __attribute__((always_inline)) { product_share(a, panels.data(), c); });
     else
       gemm('N', 'N', alpha, a, B, 1.0, c);
   });

@@ -50,7 +50,7 @@ void multiply_columns(const UpperCsr& A, int directions, const Eigen::Ref<const 
   for (std::size_t r = 0; r < n_rows; ++r)
     for (Eigen::Index c = 0; c < W; ++c)
       x[r * W + c] = c < count ? X(static_cast<Eigen::Index>(r), first + c) : 0.0;
-  on_this_machine([&]() __attribute__((always_inline)) {
+  on_wide_registers([&]() __attribute__((always_inline)) {
     if (directions == 3)
       multiply_rows<W, 3>(A, x.get(), y.get());
     else
@@ -170,7 +170,7 @@ void SymmetricMatrix::multiply_kron3(const RowPanel& X, RowPanel& Y) const {
   if (X.rows() != 3 * static_cast<Eigen::Index>(size()))
     throw std::logic_error("multiply: the panel does not have the length of the matrix");
   Y.resize(X.rows(), X.cols());
-  on_this_machine([&]() __attribute__((always_inline)) {
+  on_wide_registers([&]() __attribute__((always_inline)) {
     multiply_rows<RowPanel::ColsAtCompileTime, 3>(csr(), X.data(), Y.data());
   });
 }

@@ -263,10 +263,10 @@ void forward_top(const Arrays& L, int s, const Panels<W>& X, const Panels<W>& v)
   begin_forward(L, s, X, v);
   for (int b = 0; b < n_blocks(L, s); ++b) {
     const Block<Real> block = block_of<Real>(L, s, b);
-    on_this_machine([&]() __attribute__((always_inline)) { forward_triangle(block, v); });
+    on_wide_registers([&]() __attribute__((always_inline)) { forward_triangle(block, v); });
     const std::ptrdiff_t n = block.height - block.count;
     share_rows(n, n * block.count * v.count, [&](int, std::ptrdiff_t begin, std::ptrdiff_t end) {
-      on_this_machine([&]() __attribute__((always_inline)) { forward_rows(block, begin, end, v); });
+      on_wide_registers([&]() __attribute__((always_inline)) { forward_rows(block, begin, end, v); });
     });
   }
   store_own(L, s, X, v);
@@ -288,12 +288,12 @@ void backward_top(const Arrays& L, int s, const Panels<W>& X, const Panels<W>& v
     const int shares =
         share_rows(n, n * block.count * v.count, [&](int share, std::ptrdiff_t begin, std::ptrdiff_t end) {
           const Panels<W> x = of_share(share);
-          on_this_machine([&]() __attribute__((always_inline)) { backward_rows(block, begin, end, v, x); });
+          on_wide_registers([&]() __attribute__((always_inline)) { backward_rows(block, begin, end, v, x); });
         });
     for (int share = 0; share < shares; ++share)
       for (int p = 0; p < v.count; ++p)
         for (std::ptrdiff_t c = 0; c < block.count; ++c) v[p][block.first + c] += of_share(share)[p][c];
-    on_this_machine([&]() __attribute__((always_inline)) { backward_triangle(block, v); });
+    on_wide_registers([&]() __attribute__((always_inline)) { backward_triangle(block, v); });
   }
   store_own(L, s, X, v);
 }
@@ -308,7 +308,7 @@ void solve_panels(const Arrays& L, const Panels<W>& X) {
   parallel_for(n_roots, [&](int k) {
     const OwnPanels<W> v(L.plan->longest[k], X.count);
     above[k].set_zero();
-    on_this_machine([&]() __attribute__((always_inline)) {
+    on_wide_registers([&]() __attribute__((always_inline)) {
       forward_subtree<W, Real>(L, roots[k], X, v.get(), above[k].get());
     });
   });
@@ -333,7 +333,7 @@ void solve_panels(const Arrays& L, const Panels<W>& X) {
   }
   parallel_for(n_roots, [&](int k) {
     const OwnPanels<W> v(L.plan->longest[k], X.count);
-    on_this_machine([&]() __attribute__((always_inline)) {
+    on_wide_registers([&]() __attribute__((always_inline)) {
       backward_subtree<W, Real>(L, roots[k], X, v.get());
     });
   });
