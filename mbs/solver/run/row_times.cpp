@@ -17,8 +17,14 @@ RowTimes::RowTimes(const SolverOptions& options, std::vector<double> looks)
       looks_(std::move(looks)),
       n_(static_cast<long>(std::floor((end_ - start_) / apart_ * (1 + 1e-12)))) {}
 
+// The last row of a step that divides the run is the end, not one a round-off before it and the end again.
 double RowTimes::at(long k) const {
-  return k > n_ ? end_ : std::min(start_ + static_cast<double>(k) * apart_, end_);
+  const double t = start_ + static_cast<double>(k) * apart_;
+  return k > n_ || t >= end_ - nearly(end_) ? end_ : t;
+}
+
+double RowTimes::nearly(double t) const {
+  return 1e-9 * apart_ + 1e-14 * std::abs(t);
 }
 
 double RowTimes::look_until(double t) const {
@@ -32,12 +38,12 @@ void RowTimes::pass_looks(double t) {
 }
 
 void RowTimes::go_on_from(double t, long said) {
-  const double nearly = 1e-9 * apart_ + 1e-14 * std::abs(t);
+  const double close = nearly(t);
   next_ = said;
   // A step may end an ulp before or behind a row.
-  if (said >= 1 && said <= n_ + 2 && at(said - 1) <= t + nearly && at(said) >= t - nearly) return;
+  if (said >= 1 && said <= n_ + 2 && at(said - 1) <= t + close && at(said) >= t - close) return;
   long k = std::clamp(static_cast<long>((t - start_) / apart_) - 1, 1L, n_ + 1);
-  while (at(k) <= t + nearly && at(k) > at(k - 1)) ++k;
+  while (at(k) <= t + close && at(k) > at(k - 1)) ++k;
   next_ = k;
   if (said == k + 1) return;  // saved at an end beside the rows' grid, which gave a row of its own
   throw std::invalid_argument(fmt::format(

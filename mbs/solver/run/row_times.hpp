@@ -33,6 +33,7 @@ class RowTimes {
 
  private:
   double at(long k) const;
+  double nearly(double t) const;  // two rows at t are one
 
   double start_, end_, apart_;
   std::vector<double> looks_;
