@@ -6,28 +6,13 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "mbs/solver/accuracy/integrator_kind.hpp"
-
 namespace flexura::mbs {
 namespace {
 
 std::string word_of(Method method, const Mechanism& m) {
-  switch (method) {
-    case Method::automatic:
-      return has_deformation(m) ? "radau" : "ida";
-    case Method::ida:
-      return "ida";
-    case Method::radau:
-      return "radau";
-    case Method::generalised_alpha:
-      return "generalised_alpha";
-    case Method::runge_kutta:
-      return "runge_kutta";
-    case Method::kinematics:
-      return "kinematics";
-    case Method::quasi_statics:
-      return "quasi_statics";
-  }
+  if (method == Method::automatic) return has_deformation(m) ? "radau" : "ida";
+  for (const IntegratorKind& kind : integrator_kinds())
+    if (kind.method == method) return kind.name;
   throw std::invalid_argument("there is no such method; name one of Method");
 }
 

@@ -7,12 +7,11 @@
 #include <string>
 
 #include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/accuracy/integrator_kind.hpp"
 #include "mbs/solver/run/run.hpp"
 #include "mbs/solver/start/start.hpp"
 
 namespace flexura::mbs {
-
-enum class Method { automatic, ida, radau, generalised_alpha, runge_kutta, kinematics, quasi_statics };
 
 struct SimulationOptions {
   Method method =

@@ -10,18 +10,24 @@ namespace flexura::mbs {
 const std::vector<IntegratorKind>& integrator_kinds() {
   static const std::vector<IntegratorKind> kinds = {
       {.name = "ida",
+       .doc = "SUNDIALS IDA (BDF, variable step and order) on the stabilised index-2 form",
+       .method = Method::ida,
        .is_implicit = true,
        .is_for_all = true,
        .power_of_tolerance = 5.0 / 6.0,
        .power_of_step = 5.0 / 6.0,
        .steps_of_error = 3},
       {.name = "radau",
+       .doc = "Radau IIA of order 5 on the same form, L-stable: high frequencies decay, none grows",
+       .method = Method::radau,
        .is_implicit = true,
        .is_for_all = true,
        .power_of_tolerance = 5.0 / 6.0,
        .power_of_step = 5.0 / 6.0,
        .matrix = 5.0},  // a real and a complex one
       {.name = "generalised_alpha",
+       .doc = "order 2 on index 3 with numerical damping at high frequencies (rho_inf)",
+       .method = Method::generalised_alpha,
        .is_implicit = true,
        .takes_fixed_steps = true,
        .power_of_tolerance = 2.0 / 3.0,
@@ -29,6 +35,8 @@ const std::vector<IntegratorKind>& integrator_kinds() {
        .steps_of_error = 3},
       // An explicit stage solves for accelerations, by mass matrix and QR where there are constraints.
       {.name = "runge_kutta",
+       .doc = "Dormand-Prince 5(4) with projection, explicit, for models that are not stiff",
+       .method = Method::runge_kutta,
        .takes_fixed_steps = true,
        .power_of_tolerance = 1.0,
        .power_of_step = 5.0,
@@ -36,8 +44,15 @@ const std::vector<IntegratorKind>& integrator_kinds() {
        .evaluation = 2.0,
        .constrained_evaluation = 3.0,
        .constrained_factor = 4.0},
-      {.name = "kinematics", .integrates = false},
-      {.name = "quasi_statics", .integrates = false, .is_motion = false},
+      {.name = "kinematics",
+       .doc = "positions, velocities, accelerations and drive forces where drives prescribe the whole motion",
+       .method = Method::kinematics,
+       .integrates = false},
+      {.name = "quasi_statics",
+       .doc = "an equilibrium at each output time",
+       .method = Method::quasi_statics,
+       .integrates = false,
+       .is_motion = false},
   };
   return kinds;
 }

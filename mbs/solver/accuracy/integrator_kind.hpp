@@ -9,8 +9,13 @@
 /// What is to be known of an integrator before one is made, and without one.
 namespace flexura::mbs {
 
+/// Their names in C++; `automatic` leaves the choice to the program.
+enum class Method { automatic, ida, radau, generalised_alpha, runge_kutta, kinematics, quasi_statics };
+
 struct IntegratorKind {
   const char* name;  ///< as the user says it: solver.method
+  const char* doc;   ///< completes "name = "
+  Method method;
   /// It integrates a motion; else it finds one state after the other, each for itself, with no error of steps.
   bool integrates = true;
   /// States go over into each other, with the work done between them; between equilibria there is none.
@@ -33,7 +38,7 @@ struct IntegratorKind {
   double evaluation = 1.0, constrained_evaluation = 1.0, constrained_factor = 0.0;
 };
 
-/// All of them; integrator.cpp makes them.
+/// All of them; mbs/solver/run/make_integrator.cpp makes them.
 const std::vector<IntegratorKind>& integrator_kinds();
 /// Throws std::invalid_argument for a name that is none.
 const IntegratorKind& kind_of(const SolverOptions& options);

@@ -22,18 +22,18 @@ input::TableSchema solver_schema() {
   schema.name = "solver";
   schema.doc = "How the equations of motion are integrated and how often results are written.";
   std::vector<std::string> methods;
-  for (const IntegratorKind& kind : integrator_kinds()) methods.emplace_back(kind.name);
+  std::string docs;
+  for (const IntegratorKind& kind : integrator_kinds()) {
+    methods.emplace_back(kind.name);
+    docs += fmt::format("{} = {}; ", kind.name, kind.doc);
+  }
   schema.keys.push_back(in::choice(
       "method", methods,
-      "integrator: ida = SUNDIALS IDA (BDF, variable step and order) on the stabilised index-2 form; "
-      "radau = Radau IIA of order 5 on the same form, L-stable: high frequencies decay, none grows; "
-      "generalised_alpha = order 2 on index 3 with numerical damping at high frequencies (rho_inf); "
-      "runge_kutta = Dormand-Prince 5(4) with projection, explicit, for models that are not stiff; "
-      "kinematics = positions, velocities, accelerations and drive forces where drives prescribe the "
-      "whole motion; quasi_statics = an equilibrium at each output time; without it radau where "
-      "bodies deform (superelements, ancf), ida otherwise, and the run changes between these two where "
-      "one of them stops or the other is three times as fast, which it looks at after 1000 steps (250 of "
-      "more than 100 unknowns), 4000, 16000 ...; it says so at the end"));
+      "integrator: " + docs +
+          "without it radau where "
+          "bodies deform (superelements, ancf), ida otherwise, and the run changes between these two where "
+          "one of them stops or the other is three times as fast, which it looks at after 1000 steps (250 of "
+          "more than 100 unknowns), 4000, 16000 ...; it says so at the end"));
   schema.keys.push_back(
       in::quantity("start_time", in::dim::time, "time at which the run begins").or_default("0 s"));
   schema.keys.push_back(
@@ -99,8 +99,8 @@ input::TableSchema solver_schema() {
                             .at_least(0.0));
   schema.keys.push_back(
       in::quantity("fixed_step", in::dim::time,
-                   "fixed step of runge_kutta and generalised_alpha, without error control, shorter only "
-                   "where it ends at an event; 0 = variable step")
+                   "fixed step of method " + names_of_kinds(&IntegratorKind::takes_fixed_steps) +
+                       ", without error control, shorter only where it ends at an event; 0 = variable step")
           .or_default("0 s")
           .at_least(0.0));
   schema.keys.push_back(in::integer("max_steps", "a run that needs more steps stops; 0 = no bound")

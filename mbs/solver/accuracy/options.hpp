@@ -13,7 +13,7 @@ namespace flexura::mbs {
 struct Scales;
 
 struct SolverOptions {
-  std::string method = "ida";  ///< the integrator, one of those in integrator.cpp
+  std::string method = "ida";  ///< the integrator, one of those in integrator_kind.cpp
   double start_time = 0.0;     ///< s
   double end_time = 1.0;       ///< s
   double stop_time = 0.0;      ///< s; stop cleanly after the step that reaches it, to go on later; 0: never

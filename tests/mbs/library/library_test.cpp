@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "mbs/constraints/coupler.hpp"
 #include "mbs/constraints/geometric.hpp"
@@ -54,6 +55,20 @@ TEST(Library, PendulumIsOnItsOtherSideAfterHalfItsPeriod) {
     EXPECT_NEAR(s.output("hinge.angle"), -theta_0, 1e-5);
     EXPECT_NEAR(s.output("hinge.speed"), 0.0, 1e-5);
     EXPECT_NEAR(s.energy().error(), 0.0, 1e-5);
+  }
+}
+
+// A name of its own for each that the mechanism file has.
+TEST(Library, EveryIntegratorIsAMethod) {
+  std::set<Method> seen = {Method::automatic};
+  const Mechanism m = pendulum(0.1).build();
+  for (const IntegratorKind& kind : integrator_kinds()) {
+    SCOPED_TRACE(kind.name);
+    EXPECT_TRUE(seen.insert(kind.method).second);
+    if (!kind.integrates) continue;
+    Simulation s(m, {.method = kind.method});
+    s.advance(0.01);
+    EXPECT_LT(s.output("hinge.angle"), 0.1);
   }
 }
 
