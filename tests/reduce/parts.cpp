@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <random>
@@ -12,6 +13,7 @@
 #include <stdexcept>
 
 #include "mesh/model/cells/cell.hpp"
+#include "mesh/model/cells/record.hpp"
 #include "mesh/model/geometry.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
 
@@ -21,20 +23,13 @@ namespace {
 using mesh::CellType;
 using mesh::Index;
 
+// The cell of the same corners and no other nodes.
 CellType corner_type(CellType type) {
-  switch (type) {
-    case CellType::tet10:
-      return CellType::tet4;
-    case CellType::hex20:
-    case CellType::hex27:
-      return CellType::hex8;
-    case CellType::wedge15:
-      return CellType::wedge6;
-    case CellType::pyramid13:
-      return CellType::pyramid5;
-    default:
-      return type;
-  }
+  for (const mesh::CellRecord& record : mesh::cell_records())
+    if (record.is_linear() && record.dimension == mesh::dimension_of(type) &&
+        record.shape.corners == mesh::shape_of(type).corners)
+      return record.type;
+  throw std::invalid_argument(std::string(mesh::name_of(type)) + " has no linear cell of its shape");
 }
 
 // Corner cells of one brick, in the bricks' own corner numbers 0-7 (VTK order); 8 is the centre.
@@ -88,15 +83,14 @@ mesh::Mesh box(const Eigen::Vector3d& size, const std::array<int, 3>& n, CellTyp
           std::vector<int> cell;
           for (int c : local) cell.push_back(brick[c]);
           const std::vector<int> corners = cell;
-          const auto quadratic = mesh::nodes_per_cell(type) > shape.corners;
-          if (quadratic)
-            for (const auto& edge : shape.edges) cell.push_back(middle({corners[edge[0]], corners[edge[1]]}));
-          if (type == CellType::hex27) {
-            for (const auto& face : {std::array{0, 3, 7, 4}, std::array{1, 2, 6, 5}, std::array{0, 1, 5, 4},
-                                     std::array{3, 2, 6, 7}, std::array{0, 1, 2, 3}, std::array{4, 5, 6, 7}})
-              cell.push_back(
-                  middle({corners[face[0]], corners[face[1]], corners[face[2]], corners[face[3]]}));
-            cell.push_back(middle(corners));
+          // Every other node lies in the middle of the corners whose linear functions are not zero there.
+          for (int a = shape.corners; a < mesh::nodes_per_cell(type); ++a) {
+            const Eigen::VectorXd N =
+                mesh::evaluate_shape(corner_type(type), mesh::reference_nodes(type).row(a)).N;
+            std::vector<int> around;
+            for (int c = 0; c < shape.corners; ++c)
+              if (std::abs(N(c)) > 1e-9) around.push_back(corners[c]);
+            cell.push_back(middle(around));
           }
           cells.push_back(cell);
         }

@@ -10,9 +10,9 @@
 #include "mesh/model/cells/cell.hpp"
 #include "mesh/model/cells/dual.hpp"
 
-/// All that there is to know of a cell type.  A new type is a file of its own in this folder, an enumerator in
-/// cell_type.hpp and a line in records.cpp: shape functions, quadrature, matrices, readers and writers of all formats
-/// follow from its record.
+/// All that there is to know of a cell type.  A new type is a record in its family's file and an enumerator at the end of
+/// cell_type.hpp; a new family is a file of its own in this folder, declared below and listed in records.cpp.  Shape
+/// functions, quadrature, matrices, readers and writers of all formats follow from the record.
 namespace flexura::mesh {
 
 /// A cell type in the formats of others; -1 or empty where they have none.
