@@ -15,6 +15,24 @@ cmake -S "$work/consumer" -B "$work/reduction" -DWITH_REDUCTION=ON -DCMAKE_PREFI
   { cat "$work/configure.log"; exit 1; }
 cmake --build "$work/reduction" >"$work/build.log" || { cat "$work/build.log"; exit 1; }
 "$work/reduction/reduced_rod"
+# What docs/howto/cpp.md shows, as it stands there: its project, its part, both programs, and what they print.
+page=$here/../../docs/howto/cpp.md
+block() { awk -v kind="$1" -v n="$2" '$0 == "```" kind { ++k; inside = 1; next } /^```$/ { inside = 0 } inside && k == n' "$page"; }
+mkdir "$work/page"
+block cmake 1 >"$work/page/CMakeLists.txt"
+block toml 1 >"$work/page/arm.toml"
+block cpp 1 >"$work/page/arm.cpp"
+block cpp 2 >"$work/page/reduce_arm.cpp"
+cd "$work/page"
+cmake -S . -B build -DCMAKE_PREFIX_PATH="$work/usr" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" -DCMAKE_BUILD_TYPE=Release >"$work/configure.log" ||
+  { cat "$work/configure.log"; exit 1; }
+cmake --build build >"$work/build.log" || { cat "$work/build.log"; exit 1; }
+build/reduce_arm
+build/arm | tee printed.txt
+block text 1 | while read -r line; do
+  grep -qxF -- "$line" printed.txt || { echo "docs/howto/cpp.md shows \"$line\", which is not printed"; exit 1; }
+done
+cd "$here"
 # Nothing in what was installed points back into the tree.
 if grep -rlF "$(cd "$here/../.." && pwd)" "$work/usr/lib" --include='*.cmake'; then echo "these name the source tree"; exit 1; fi
 if ldd "$work/build/consumer" | grep -E 'petsc|slepc|gmsh|libmpi'; then echo "the library brings heavy packages"; exit 1; fi
