@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "reduce/linalg/dense/dense.hpp"
+#include "reduce/linalg/dense/random_numbers.hpp"
 
 namespace flexura::linalg {
 
@@ -27,9 +28,8 @@ LanczosSpace::LanczosSpace(const EigenProblem& problem, const VectorStorage& sto
 
 // S M on random vectors joins the basis.
 void LanczosSpace::add_start() {
-  std::normal_distribution<double> normal;
-  MatrixXd X(problem_.n, block_), MX, W, C, R;
-  for (double& x : X.reshaped()) x = normal(random_);
+  const MatrixXd X = random_numbers(problem_.n, block_, random_);
+  MatrixXd MX, W, C;
   problem_.multiply_M(X, MX);
   problem_.solve(MX, W);
   basis_.append(std::move(W), C, R_);

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "reduce/linalg/dense/progress.hpp"
+#include "reduce/linalg/dense/random_numbers.hpp"
 #include "reduce/linalg/factor/fronts_package.hpp"
 #include "reduce/linalg/petsc/petsc_check.hpp"
 
@@ -157,10 +158,9 @@ void DirectSolver::set_up() {
 // Other packages are not asked what they take for a zero: a factor is put to the test of inertia.hpp.
 void DirectSolver::test(const UpperCsr& A, bool definite) {
   constexpr double kResidual = 0.1;
-  Eigen::MatrixXd B(n_, 8), X(n_, 8), AX;
   std::mt19937_64 random(19781105);
-  std::normal_distribution<double> normal;
-  for (double& b : B.reshaped()) b = normal(random);
+  const Eigen::MatrixXd B = random_numbers(n_, 8, random);
+  Eigen::MatrixXd X(n_, 8), AX;
   solve(B, X);
   multiply(A, X, AX);
   const bool small = (AX - B).colwise().norm().maxCoeff() < kResidual;

@@ -5,14 +5,14 @@
 #include <limits>
 #include <random>
 
+#include "reduce/linalg/dense/random_numbers.hpp"
+
 namespace flexura::linalg {
 
 bool stands_the_test(const SupernodalFactor& L, const UpperCsr& A) {
   constexpr double kResidual = 0.1;
-  Eigen::MatrixXd R(A.n, 8), D, AD;
   std::mt19937_64 random(19781105);
-  std::normal_distribution<double> normal;
-  for (double& r : R.reshaped()) r = normal(random);
+  Eigen::MatrixXd R = random_numbers(A.n, 8, random), D, AD;
   double before = std::numeric_limits<double>::infinity();  // the first solve may leave more than there was
   for (int solves = L.is_single() ? 8 : 1; solves > 0; --solves) {
     L.solve(R, D);
