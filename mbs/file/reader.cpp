@@ -330,8 +330,14 @@ void Reader::read_elements() {
   const auto controls = root_.table_map("control");
   for (const auto& [name, s] : controls)
     if (!find_type(control_types(), s.text("type")).feeds_through) take_name(name, s);
-  for (const auto& [name, s] : root_.table_map("measure")) {
-    d.measures.push_back(find_type(measure_types(), s.text("type")).read(prefix_ + name, s, names));
+  std::vector<std::pair<std::size_t, std::size_t>> last;  // places in d.measures and here
+  const auto measures = root_.table_map("measure");
+  for (std::size_t i = 0; i < measures.size(); ++i) {
+    const auto& [name, s] = measures[i];
+    const MeasureType& type = find_type(measure_types(), s.text("type"));
+    // What it takes of elements below is there only after these.
+    if (type.is_read_last) last.emplace_back(d.measures.size(), i);
+    d.measures.push_back(type.is_read_last ? nullptr : type.read(prefix_ + name, s, names));
     take_name(name, s);
   }
   for (const auto& [name, s] : controls) {
@@ -352,6 +358,10 @@ void Reader::read_elements() {
     note_long_bearing(prefix_ + name, s);
     if (const auto [body, load] = d.forces.back()->load_case(); body >= 0)
       d.bodies[body].is_loaded_by_case = true;
+  }
+  for (const auto& [place, i] : last) {
+    const auto& [name, s] = measures[i];
+    d.measures[place] = find_type(measure_types(), s.text("type")).read(prefix_ + name, s, names);
   }
 }
 

@@ -24,6 +24,14 @@ struct Relative {
   Vector6d V = Vector6d::Zero(), A = Vector6d::Zero();
 };
 
+/// A function y of the pose of M in F at one instant: y' = gradient . V, y'' = gradient . A + bias, the bias quadratic
+/// in V.
+struct PoseFunction {
+  double value = 0.0;
+  Vector6d gradient = Vector6d::Zero();
+  double bias = 0.0;
+};
+
 /// Coordinate, speed or acceleration `index` of the joint `joint`.
 struct CoordinateRef {
   int joint = -1;

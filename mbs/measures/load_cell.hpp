@@ -24,9 +24,9 @@ class LoadCell final : public ShownMeasure {
     return kind_ == Kind::force ? input::dim::force : input::dim::torque;
   }
   double value(const Kinematics&, const double*) const override { return 0.0; }
-  int joint() const override { return joint_; }
-  double value_of_load(const Kinematics& kin, const Vector6d& on_M_F) const override {
-    const Spatial on_M = kin.markers[F_].X_WP.R * Spatial::from(on_M_F);
+  Exerted exerted() const override { return {Exerted::By::joint, joint_}; }
+  double value_of_load(const Kinematics& kin, const double* load) const override {
+    const Spatial on_M = kin.markers[F_].X_WP.R * Spatial::from(Eigen::Map<const Vector6d>(load));
     const Spatial there = shift_wrench(on_M, kin.markers[M_].X_WP.p - kin.markers[at_].X_WP.p);
     return (kind_ == Kind::force ? there.linear : there.angular).dot(kin.markers[axes_].X_WP.R * direction_);
   }

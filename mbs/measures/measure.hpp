@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mbs/base/documents/units.hpp"
@@ -11,6 +12,13 @@
 /// Measures.  Adding one: a function of the relative motion in relative_measure.cpp or a class of its own in
 /// mbs/measures, and an entry in mbs/file/elements/measures.cpp.
 namespace flexura::mbs {
+
+/// What exerts the force or torque that a measure takes, by its place in the description.
+struct Exerted {
+  enum class By { none, joint, drive, constraint, force } by = By::none;
+  int element = -1;    ///< joint, constraint or force
+  int coordinate = 0;  ///< of a drive
+};
 
 /// A scalar of positions and velocities that formulas can read by its name.
 class Measure {
@@ -31,10 +39,16 @@ class Measure {
   virtual const Expression* formula() const { return nullptr; }
   /// True for what is known only after the equations of motion are solved: see ShownMeasure.
   virtual bool is_only_shown() const { return false; }
-  /// The joint whose reaction it takes; -1: none, it is value().
-  virtual int joint() const { return -1; }
-  /// Its value where this wrench (torque about Mo, force, in F) goes through that joint, on the body of M.
-  virtual double value_of_load(const Kinematics& /*kin*/, const Vector6d& /*on_M_F*/) const { return 0.0; }
+  /// Whose load it takes; by none: it is value().
+  virtual Exerted exerted() const { return {}; }
+  /// Its value where this is exerted: the wrench (torque about Mo, force, in F) through a joint, on the body of M; the force
+  /// or torque of a drive; the outputs of a constraint or a force element.
+  virtual double value_of_load(const Kinematics& /*kin*/, const double* /*load*/) const { return 0.0; }
+  /// Of what is exerted: near which it is sought at the start.
+  virtual double guess() const { return 0.0; }
+  /// The markers F and M where it is a function of the pose of M in F with known derivatives; -1, -1 of another.
+  virtual std::pair<int, int> markers_of_pose() const { return {-1, -1}; }
+  virtual PoseFunction of_pose(const Relative& /*rel*/) const { return {}; }
 
  private:
   std::string name_;

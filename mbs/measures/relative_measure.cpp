@@ -66,25 +66,57 @@ Row angular_velocity_gradient(const Relative&, const Vector3d& e) {
   return row(6, e);
 }
 
+double pose_distance(const Pose& X, const Vector3d&) {
+  return X.p.norm();
+}
+double pose_position(const Pose& X, const Vector3d& e) {
+  return X.p.dot(e);
+}
+double pose_axis(const Pose& X, const Vector3d& e) {
+  return X.R.col(2).dot(e);
+}
+double pose_angle(const Pose& X, const Vector3d&) {
+  return angle_about_z(X.R);
+}
+
+double distance_bias(const Relative& rel, const Vector3d&) {
+  const double length = rel.X_FM.p.norm();
+  if (length == 0.0) return 0.0;
+  const Vector3d u = rel.V.tail<3>();
+  const double along = rel.X_FM.p.dot(u) / length;
+  return (u.squaredNorm() - along * along) / length;
+}
+double position_bias(const Relative&, const Vector3d&) {
+  return 0.0;
+}
+double axis_bias(const Relative& rel, const Vector3d& e) {
+  const Vector3d w = rel.V.head<3>();
+  return w.cross(w.cross(Vector3d(rel.X_FM.R.col(2)))).dot(e);
+}
+double angle_bias(const Relative& rel, const Vector3d&) {
+  return TurnAboutZ(rel.X_FM.R, rel.V.head<3>()).bias;
+}
+
 }  // namespace
 
 RelativeQuantity RelativeQuantity::distance() {
-  return {measured_distance, distance_gradient, input::dim::length, false};
+  return {measured_distance, distance_gradient, input::dim::length, false, true,
+          pose_distance,     distance_bias};
 }
 RelativeQuantity RelativeQuantity::distance_rate() {
   return {measured_distance_rate, distance_rate_gradient, input::dim::velocity, false, false};
 }
 RelativeQuantity RelativeQuantity::position() {
-  return {measured_position, position_gradient, input::dim::length, true};
+  return {measured_position, position_gradient, input::dim::length, true, true, pose_position, position_bias};
 }
 RelativeQuantity RelativeQuantity::axis() {
-  return {measured_axis_component, axis_gradient, input::dim::none, true};
+  return {measured_axis_component, axis_gradient, input::dim::none, true, true, pose_axis, axis_bias};
 }
 RelativeQuantity RelativeQuantity::velocity() {
   return {measured_velocity, velocity_gradient, input::dim::velocity, true, false};
 }
 RelativeQuantity RelativeQuantity::angle() {
-  return {measured_angle, angle_gradient, input::dim::angle, false};
+  return {measured_angle, angle_gradient, input::dim::angle, false, true, pose_angle, angle_bias};
 }
 RelativeQuantity RelativeQuantity::angular_velocity() {
   return {measured_angular_velocity, angular_velocity_gradient, input::dim::angular_velocity, true, false};

@@ -17,6 +17,11 @@ struct RelativeQuantity {
   input::Dimension dimension;
   bool has_direction = false;
   bool is_of_positions = true;
+  /// Of positions: the value by the pose, and what of its second derivative by time is not gradient . V_FM'.
+  using OfPose = double (*)(const Pose& X_FM, const Vector3d& direction);
+  using Bias = double (*)(const Relative& rel, const Vector3d& direction);
+  OfPose of_pose = nullptr;
+  Bias bias = nullptr;
 
   static RelativeQuantity distance();          ///< of the two origins
   static RelativeQuantity distance_rate();     ///< its time derivative
@@ -39,6 +44,13 @@ class RelativeMeasure final : public Measure {
     return quantity_.value(kin, F_, M_, direction_);
   }
   bool is_of_positions() const override { return quantity_.is_of_positions; }
+  std::pair<int, int> markers_of_pose() const override {
+    return quantity_.bias ? std::pair{F_, M_} : std::pair{-1, -1};
+  }
+  PoseFunction of_pose(const Relative& rel) const override {
+    return {quantity_.of_pose(rel.X_FM, direction_),
+            quantity_.gradient(rel, direction_).head<6>().transpose(), quantity_.bias(rel, direction_)};
+  }
   void differentiate(const Kinematics& kin, const double*, Derivatives& d) const override {
     d.rows();
     d.by_relative(F_, M_, quantity_.gradient(kin.relative_motion(F_, M_), direction_));

@@ -25,15 +25,27 @@ class RotationAngle final : public Measure {
     return angles(kin.relative_pose(F_, M_).R)[static_cast<std::size_t>(which_)];
   }
   bool is_of_positions() const override { return true; }
-  void differentiate(const Kinematics& kin, const double*, Derivatives& d) const override {
-    // A small turn of M seen from F is sum q'_n times the n-th axis, turned by those before it.
-    const Matrix3d R = kin.relative_pose(F_, M_).R;
+  std::pair<int, int> markers_of_pose() const override { return {F_, M_}; }
+  // A small turn of M seen from F is sum q'_n times the n-th axis a_n, turned by those before it:
+  // w = A q', w' = A q'' + sum q'_n a_n', a_2' = q'_1 a_1 x a_2, a_3' = w x a_3.
+  PoseFunction of_pose(const Relative& rel) const override {
+    const Matrix3d& R = rel.X_FM.R;
     const std::array<double, 3> q = angles(R);
-    const Vector3d first = Vector3d::Unit(axes_[0]);
-    Matrix3d turned;
-    turned << first, Eigen::AngleAxisd(q[0], first) * Vector3d::Unit(axes_[1]), R.col(axes_[2]);
+    const Vector3d first = Vector3d::Unit(axes_[0]), w = rel.V.head<3>();
+    Matrix3d A;
+    A << first, Eigen::AngleAxisd(q[0], first) * Vector3d::Unit(axes_[1]), R.col(axes_[2]);
+    PoseFunction y{.value = q[static_cast<std::size_t>(which_)]};
+    if (A.determinant() == 0.0) return y;
+    const Matrix3d inverse = A.inverse();
+    const Vector3d q_dot = inverse * w;
+    y.gradient.head<3>() = inverse.row(which_).transpose();
+    y.bias = -y.gradient.head<3>().dot(q_dot(1) * q_dot(0) * first.cross(Vector3d(A.col(1))) +
+                                       q_dot(2) * w.cross(Vector3d(A.col(2))));
+    return y;
+  }
+  void differentiate(const Kinematics& kin, const double*, Derivatives& d) const override {
     Eigen::Matrix<double, 1, 12> row = Eigen::Matrix<double, 1, 12>::Zero();
-    if (turned.determinant() != 0.0) row.head<3>() = turned.inverse().row(which_);
+    row.head<6>() = of_pose(kin.relative_motion(F_, M_)).gradient.transpose();
     d.rows();
     d.by_relative(F_, M_, row);
   }

@@ -37,7 +37,8 @@ std::vector<bool> MechanismOutputs::late_measures() const {
   const auto& sources = m_.states.sources();
   std::vector<bool> is_late(d.measures.size(), false);
   for (std::size_t i = 0; i < d.measures.size(); ++i) {
-    is_late[i] = d.measures[i]->joint() >= 0 && m_.states.coupled_measure(static_cast<int>(i)) < 0;
+    is_late[i] = d.measures[i]->exerted().by != Exerted::By::none &&
+                 m_.states.coupled_measure(static_cast<int>(i)) < 0;
     for (const int k : d.measures[i]->reads())
       if (sources[k].kind == Source::Kind::measure && is_late[sources[k].element]) is_late[i] = true;
   }
@@ -53,8 +54,8 @@ void MechanismOutputs::take_measures(const std::vector<bool>& wanted, bool now, 
     if (const int a = m_.states.coupled_measure(static_cast<int>(i)); a >= 0)
       measured[i] = work.signals.algebraic(static_cast<Eigen::Index>(m_.states.algebraic().size()) + a);
     else
-      measured[i] = shown_value(m_.tree, m_.rows, measure, work.motion, work.wrenches, work.rows,
-                                work.signals.values.data());
+      measured[i] = shown_value(m_.tree, m_.rows, m_.states, measure, work.motion, work.wrenches, work.rows,
+                                work.signals);
     if (const int k = d.signals.find(measure.name()); k >= 0) work.signals.values(k) = measured[i];
   }
 }

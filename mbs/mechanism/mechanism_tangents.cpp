@@ -127,8 +127,8 @@ void MechanismTangents::difference_elements(const State& s, TangentScope scope, 
 }
 
 // Rates of deformations that do not act back, and equations of measures of accelerations and reactions, by the motion and
-// by the states of others: central differences, of which rigid bodies have few.  By accelerations and reactions, which
-// act linearly, unit steps are exact.
+// by the states of others: central differences, of which rigid bodies have few.  By accelerations, which act linearly,
+// unit steps are exact.
 void MechanismTangents::difference_following(const State& s, ConstVectorRef v_dot, MechanismScratch& work,
                                              TangentMatrices& out) const {
   const int first = m_.tree.n_own, n = m_.tree.n_dyn - first,
@@ -179,9 +179,9 @@ void MechanismTangents::difference_following(const State& s, ConstVectorRef v_do
     out.b_lambda.setZero(m_.n_algebraic(), s.lambda.size());
   }
   const auto in_b = static_cast<Eigen::Index>(m_.states.algebraic().size());
-  const auto store = [&](MatrixXd& of_c, MatrixXd& of_b, Eigen::Index column) {
-    if (n > 0) of_c.col(column).tail(n) = change(1.0);
-    if (n_coupled > 0) of_b.col(column).segment(in_b, n_coupled) = coupled(1.0);
+  const auto store = [&](MatrixXd& of_c, MatrixXd& of_b, Eigen::Index column, double of_step) {
+    if (n > 0) of_c.col(column).tail(n) = change(of_step);
+    if (n_coupled > 0) of_b.col(column).segment(in_b, n_coupled) = coupled(of_step);
   };
   evaluate(v_dot, T.z);
   T.step = v_dot;
@@ -189,14 +189,19 @@ void MechanismTangents::difference_following(const State& s, ConstVectorRef v_do
     T.step(j) += 1.0;
     evaluate(T.step, T.z_plus);
     T.step(j) = v_dot(j);
-    store(out.c_v_dot, out.b_v_dot, j);
+    store(out.c_v_dot, out.b_v_dot, j, 1.0);
   }
   T.step.setZero();
+  // Sizes of reactions bend where these vanish: steps small beside them.
+  const double largest = s.lambda.size() > 0 ? s.lambda.lpNorm<Eigen::Infinity>() : 0.0,
+               step = largest > 0.0 ? 1e-3 * largest : 1.0;
   for (Eigen::Index k = 0; k < s.lambda.size(); ++k) {
-    moved.lambda(k) += 1.0;
+    moved.lambda(k) = s.lambda(k) + step;
     evaluate(v_dot, T.z_plus);
+    moved.lambda(k) = s.lambda(k) - step;
+    evaluate(v_dot, T.z);
     moved.lambda(k) = s.lambda(k);
-    store(out.c_lambda, out.b_lambda, k);
+    store(out.c_lambda, out.b_lambda, k, 2.0 * step);
   }
 }
 

@@ -42,8 +42,8 @@ void Residual::coupled_equations(MechanismScratch& work, VectorRef b) const {
   auto i = static_cast<Eigen::Index>(m_.states.algebraic().size());
   for (const int which : m_.states.coupled_measures()) {
     const Measure& measure = *m_.tree.d.measures[static_cast<std::size_t>(which)];
-    b(i) = work.signals.algebraic(i) - shown_value(m_.tree, m_.rows, measure, work.motion, work.wrenches,
-                                                   work.rows, work.signals.values.data());
+    b(i) = work.signals.algebraic(i) - shown_value(m_.tree, m_.rows, m_.states, measure, work.motion,
+                                                   work.wrenches, work.rows, work.signals);
     ++i;
   }
 }

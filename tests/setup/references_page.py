@@ -21,7 +21,7 @@ PROGRAMS = {
     "found_decks_shells_test": "DeckShells.Nafems*",
     "found_fedem_test": "Fedem.*",
     "flexible_test": "SimoVuQuocSpinUp.Peak*:RotatingCantilever.*:SimeonSliderCrank.Ends*",
-    "case_tests": "Iftomm.*:Andrews.*:Bicycle.*:*AdamsJoint.*",
+    "case_tests": "Iftomm.*:Andrews.*:Wheelset.*:Bicycle.*:*AdamsJoint.*",
     "element_tests": "Hertz.*:Bearings.LargestLoad*:Bearings.ThrustOfA218*:JournalBearings.LoadIs*:Involute.Geometry*",
     "exact_beam_body_test": "ExactBeamPublished.*:ExactBeamStatics.*:PlanarSpaghetti.*",
     "moving_test": "MovingLoads.ForceCrosses*",

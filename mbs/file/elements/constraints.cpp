@@ -11,6 +11,7 @@
 #include "mbs/constraints/rolling_disc.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "mbs/file/elements/read_curve.hpp"
+#include "mbs/file/elements/read_expression_constraint.hpp"
 #include "mbs/file/elements/read_path.hpp"
 #include "mbs/file/elements/user_library.hpp"
 
@@ -282,6 +283,7 @@ const std::vector<ConstraintType>& constraint_types() {
                                                     perpendicular(),
                                                     also_called(distance(), {"rod", "link"}),
                                                     coupler(),
+                                                    also_called(expression_constraint(), {"formula", "gcon"}),
                                                     gear(),
                                                     rack_and_pinion(),
                                                     rolling_disc(),

@@ -48,6 +48,7 @@ struct ElementType {
   /// Keys that name bodies whose surfaces it sees whole.
   std::vector<std::string> meshes_of = {};
   std::vector<std::string> synonyms = {};  ///< accepted too: what other programs call it
+  bool is_read_last = false;               ///< a measure that names any other element: read after all of them
 };
 using ForceType = ElementType<ForceElement>;
 using MeasureType = ElementType<Measure>;

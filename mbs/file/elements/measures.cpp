@@ -1,5 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/file/elements/element_types.hpp"
+#include "mbs/file/elements/read_reaction.hpp"
 #include "mbs/measures/acceleration.hpp"
 #include "mbs/measures/expression_measure.hpp"
 #include "mbs/measures/load_cell.hpp"
@@ -171,6 +172,7 @@ const std::vector<MeasureType>& measure_types() {
       acceleration<AccelerationMeasure::Kind::angular>(
           "angular_acceleration", "Component of the angular acceleration of M as seen from F."),
       also_called(load_cell(), {"force_sensor"}),
+      reaction_type(),
       also_called(surface_distance(), {"clearance"}),
       also_called(expression(), {"formula"})};
   return types;

@@ -164,6 +164,17 @@ std::shared_ptr<const Expression> ReadContext::expression_of(const input::Sectio
   return f;
 }
 
+std::shared_ptr<const Expression> ReadContext::plain_expression(const input::Section& section,
+                                                                const std::string& key) const {
+  return compile(section, key, section.text(key), d_.signals.within(prefix_), parameters_, tables_);
+}
+
+std::shared_ptr<const Expression> ReadContext::formula_of(const Measure& measure) const {
+  for (const FormulaDescription& f : d_.formulas)
+    if (f.expression.get() == measure.formula()) return f.expression;
+  return nullptr;
+}
+
 std::shared_ptr<const Expression> ReadContext::time_expression(const input::Section& section,
                                                                const std::string& key) const {
   return time_expression_of(section, key, section.text(key));

@@ -78,6 +78,11 @@ class ReadContext {
   /// The same for one entry `formula` of a list.
   std::shared_ptr<const Expression> expression_of(const input::Section& section, const std::string& key,
                                                   const std::string& formula) const;
+  /// The same whose comparisons are always as they are, not held between events.
+  std::shared_ptr<const Expression> plain_expression(const input::Section& section,
+                                                     const std::string& key) const;
+  /// The formula of a measure that is nothing else; null for another.
+  std::shared_ptr<const Expression> formula_of(const Measure& measure) const;
   /// The value of a formula of parameters.
   double number(const input::Section& section, const std::string& key) const;
   double number_of(const input::Section& section, const std::string& key, const std::string& formula) const;
@@ -108,6 +113,8 @@ class ReadContext {
   std::shared_ptr<const Curve> table(const input::Section& section, const std::string& key) const;
 
   const MechanismDescription& description() const { return d_; }
+  /// Of the subsystem, before the names of its elements.
+  const std::string& prefix() const { return prefix_; }
 
  private:
   MechanismDescription& d_;

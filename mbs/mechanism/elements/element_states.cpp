@@ -107,6 +107,8 @@ void ElementStates::start(State& s, int n_contacts) const {
   s.a.setZero(n_algebraic() + n_contacts);
   for (std::size_t k = 0; k < algebraic_.size(); ++k)
     s.a(static_cast<Eigen::Index>(k)) = tree_.d.controls[algebraic_[k]]->start_algebraic();
+  for (std::size_t k = 0; k < coupled_measures_.size(); ++k)
+    s.a(static_cast<Eigen::Index>(algebraic_.size() + k)) = tree_.d.measures[coupled_measures_[k]]->guess();
   s.root.assign(n_switches(), 0);
 }
 
@@ -209,6 +211,16 @@ void ElementStates::list_conditions(const std::vector<bool>& is_used) {
     const auto found = of_time.find(place);
     return found == of_time.end() ? nullptr : found->second;
   };
+  // Accelerations and reactions between steps are known less well than motions, so that an event found by them need not
+  // be one where they are solved for anew.  A kink needs none: steps follow it as they can.
+  std::set<int> of_reactions;
+  for (std::size_t i = 0; i < tree_.d.measures.size(); ++i) {
+    const std::vector<int> reads = tree_.d.measures[i]->reads();
+    const int k = tree_.d.signals.find(tree_.d.measures[i]->name());
+    if (k >= 0 && (coupled_measure(static_cast<int>(i)) >= 0 ||
+                   std::ranges::any_of(reads, [&](int place) { return of_reactions.contains(place); })))
+      of_reactions.insert(k);
+  }
   std::set<std::string> known;
   for (const FormulaDescription& f : tree_.d.formulas) {
     // What only the results show moves nothing.
@@ -230,7 +242,12 @@ void ElementStates::list_conditions(const std::vector<bool>& is_used) {
       const bool watched = tree.any(node, [&](const FormulaNode& n) {
         return n.code == operations::signal && n.place > 0 && !of_time.contains(n.place);
       });
-      if (watched) conditions_.push_back({f.expression, node, tree[node].held, number});
+      const bool bends_by_reactions =
+          f.expression->is_kink(node) && tree.any(node, [&](const FormulaNode& n) {
+            return n.code == operations::signal && of_reactions.contains(n.place);
+          });
+      if (watched && !bends_by_reactions)
+        conditions_.push_back({f.expression, node, tree[node].held, number});
     }
   }
 }

@@ -23,12 +23,46 @@ Vector6d joint_reaction(const Topology& tree, const ConstraintRows& rows_of, int
   return Vector6d::Zero();
 }
 
-double shown_value(const Topology& tree, const ConstraintRows& rows_of, const Measure& measure,
-                   const Motion& motion, const Wrenches& wrenches, const RowValues& rows,
-                   const double* signals) {
-  const int joint = measure.joint();
-  if (joint < 0) return measure.value(motion.kin, signals);
-  return measure.value_of_load(motion.kin, joint_reaction(tree, rows_of, joint, motion, wrenches, rows));
+double value_of_multipliers(const Topology& tree, const ConstraintRows& rows_of, const Measure& measure,
+                            Motion& motion, const Wrenches& wrenches, RowValues& rows) {
+  const Exerted exerted = measure.exerted();
+  switch (exerted.by) {
+    case Exerted::By::joint: {
+      const Vector6d load = joint_reaction(tree, rows_of, exerted.element, motion, wrenches, rows);
+      return measure.value_of_load(motion.kin, load.data());
+    }
+    case Exerted::By::drive: {
+      const int drive = rows_of.drive_of({exerted.element, exerted.coordinate});
+      const double load = -rows.x(rows_of.first_row(static_cast<std::size_t>(drive)));
+      return measure.value_of_load(motion.kin, &load);
+    }
+    case Exerted::By::constraint: {
+      const std::size_t k = rows_of.first_own() + static_cast<std::size_t>(exerted.element);
+      const Constraint& constraint = *rows_of.constraints()[k];
+      thread_local std::vector<double> outputs;
+      outputs.resize(constraint.outputs().size());
+      rows_of.own_contact(k, motion, rows);
+      constraint.evaluate_outputs(motion.kin, rows.x.data() + rows_of.first_row(k), outputs.data());
+      return measure.value_of_load(motion.kin, outputs.data());
+    }
+    default:
+      return 0.0;
+  }
+}
+
+double shown_value(const Topology& tree, const ConstraintRows& rows_of, const ElementStates& states,
+                   const Measure& measure, Motion& motion, const Wrenches& wrenches, RowValues& rows,
+                   const Signals& signals) {
+  const Exerted exerted = measure.exerted();
+  if (exerted.by == Exerted::By::none) return measure.value(motion.kin, signals.values.data());
+  if (exerted.by != Exerted::By::force)
+    return value_of_multipliers(tree, rows_of, measure, motion, wrenches, rows);
+  const auto i = static_cast<std::size_t>(exerted.element);
+  thread_local std::vector<double> outputs;
+  outputs.resize(tree.d.forces[i]->outputs().size());
+  states.own_states(i, motion, signals);
+  tree.d.forces[i]->evaluate_outputs(motion.kin, signals.values.data(), outputs.data());
+  return measure.value_of_load(motion.kin, outputs.data());
 }
 
 }  // namespace flexura::mbs

@@ -3,6 +3,7 @@
 
 #include "mbs/mechanism/dynamics/inverse_dynamics.hpp"
 #include "mbs/mechanism/elements/constraint_rows.hpp"
+#include "mbs/mechanism/elements/element_states.hpp"
 
 namespace flexura::mbs {
 
@@ -11,9 +12,12 @@ namespace flexura::mbs {
 Vector6d joint_reaction(const Topology& tree, const ConstraintRows& rows_of, int joint, const Motion& motion,
                         const Wrenches& wrenches, const RowValues& rows);
 
-/// The value of a measure, of a reaction or of motion; likewise.
-double shown_value(const Topology& tree, const ConstraintRows& rows_of, const Measure& measure,
-                   const Motion& motion, const Wrenches& wrenches, const RowValues& rows,
-                   const double* signals);
+/// The value of a measure, of what an element exerts or of motion; likewise, with signals evaluated.
+double shown_value(const Topology& tree, const ConstraintRows& rows_of, const ElementStates& states,
+                   const Measure& measure, Motion& motion, const Wrenches& wrenches, RowValues& rows,
+                   const Signals& signals);
+/// The part of it that multipliers in `rows` alone make.
+double value_of_multipliers(const Topology& tree, const ConstraintRows& rows_of, const Measure& measure,
+                            Motion& motion, const Wrenches& wrenches, RowValues& rows);
 
 }  // namespace flexura::mbs

@@ -76,9 +76,8 @@ std::vector<bool> Quantities::not_unique(const InverseDynamics& dynamics, Motion
         put_wrench(joint_reaction(place.index, motion, wrenches, rows), true, true, outputs.data());
         values(q) = outputs[place.component];
       } else if (place.kind == Kind::measure) {
-        const Measure& measure = *tree_.d.measures[place.index];
-        if (const int joint = measure.joint(); joint >= 0)
-          values(q) = measure.value_of_load(motion.kin, joint_reaction(joint, motion, wrenches, rows));
+        values(q) =
+            value_of_multipliers(tree_, rows_, *tree_.d.measures[place.index], motion, wrenches, rows);
       } else if (place.kind == Kind::drive) {
         values(q) = drive_force(place.index, place.component, rows);
       } else if (place.kind == Kind::constraint) {

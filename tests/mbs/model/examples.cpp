@@ -42,6 +42,13 @@ const Examples& constraint_examples() {
       {"coupler",
        "joints = [\"second.angle\", \"second.position\", \"third\"]\nfactors = [1, 2, 0.5]\noffset = "
        "\"sin(2*t)\""},
+      {"expression",
+       "value = \"dip*third.position + 0.3*sin(turn)*far^2 + 0.1*second.angle*z*t\"\nunit = \"m\"\n"
+       "[measure.far]\ntype = \"distance\"\n" +
+           ends + "[measure.turn]\ntype = \"rotation_angle\"\nsequence = \"zxy\"\nangle = 2\n" + ends +
+           "[measure.z]\ntype = \"axis\"\ndirection = [1, 2, 2]\n" + ends +
+           "[measure.angle]\ntype = \"angle\"\n" + ends +
+           "[measure.dip]\ntype = \"expression\"\nvalue = \"z^2 + far + angle*t\""},
       {"gear", "joint_1 = \"second.angle\"\njoint_2 = \"third\"\nteeth_1 = 17\nteeth_2 = 40"},
       {"rack_and_pinion", "rack = \"third\"\npinion = \"second.angle\"\nradius = \"30 mm\""},
       {"rolling_disc", "from = \"ground.track\"\nto = \"b.in\"\nradius = \"300 mm\""}};

@@ -129,6 +129,7 @@ TEST_F(ElementDerivatives, OfMeasures) {
              {"acceleration", along},
              {"angular_acceleration", along},
              {"load_cell", "joint = \"second\"\ndirection = [1, 2, 2]"},
+             {"reaction", "quantity = \"second.force_x\""},
              {"expression", "value = \"third.position^2 + second.speed\"\n" + force}});
 }
 

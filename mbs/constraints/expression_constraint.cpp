@@ -1,0 +1,231 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/constraints/expression_constraint.hpp"
+
+#include <algorithm>
+
+namespace flexura::mbs {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Of each thread: nothing is allocated in a run.
+std::vector<Jet>& own_jets() {
+  thread_local std::vector<Jet> jets;
+  return jets;
+}
+
+/// By X_FM the gradient of y changes by H(., e): from the bias by its polarisation, as in RelativeConstraint.
+Matrix6d second_derivative(const std::function<PoseFunction(const Relative&)>& y, Relative rel) {
+  const auto bias = [&](const Vector6d& V) {
+    rel.V = V;
+    return y(rel).bias;
+  };
+  Matrix6d H;
+  for (int a = 0; a < 6; ++a) H(a, a) = bias(Vector6d::Unit(a));
+  for (int a = 0; a < 6; ++a)
+    for (int b = 0; b < a; ++b)
+      H(a, b) = H(b, a) = 0.5 * (bias(Vector6d::Unit(a) + Vector6d::Unit(b)) - H(a, a) - H(b, b));
+  H.topLeftCorner<3, 3>() -= 0.5 * skew(Vector3d(y(rel).gradient.head<3>()));
+  return H;
+}
+
+}  // namespace
+
+ExpressionConstraint::ExpressionConstraint(std::string name, std::vector<Argument> arguments,
+                                           std::vector<Between> between,
+                                           std::shared_ptr<const Expression> value, int n_signals,
+                                           input::Dimension dimension)
+    : Constraint(std::move(name)),
+      arguments_(std::move(arguments)),
+      between_(std::move(between)),
+      value_(std::move(value)),
+      n_signals_(static_cast<std::size_t>(n_signals)),
+      dimension_(dimension),
+      reads_time_(value_->reads_time() ||
+                  std::ranges::any_of(between_, [](const Between& b) { return b.formula->reads_time(); })) {}
+
+GapKind ExpressionConstraint::gap_kind(int) const {
+  return dimension_ == input::dim::length  ? GapKind::length
+         : dimension_ == input::dim::angle ? GapKind::angle
+                                           : GapKind::other;
+}
+
+std::vector<CoordinateRef> ExpressionConstraint::coordinates() const {
+  std::vector<CoordinateRef> list;
+  for (const Argument& y : arguments_)
+    if (y.is_coordinate()) list.push_back(y.coordinate);
+  return list;
+}
+
+std::vector<int> ExpressionConstraint::markers() const {
+  std::vector<int> list;
+  for (const Argument& y : arguments_)
+    if (!y.is_coordinate()) list.insert(list.end(), {y.F, y.M});
+  return list;
+}
+
+void ExpressionConstraint::move(const Kinematics& kin, Level level, std::vector<Jet>& jets) const {
+  jets.assign(n_signals_, Jet{});
+  jets[0] = {kin.t, level == Level::position ? 0.0 : 1.0, 0.0};
+  for (const Argument& y : arguments_) {
+    Jet& jet = jets[static_cast<std::size_t>(y.place)];
+    if (y.is_coordinate()) {
+      jet.value = kin.coordinate(y.coordinate);
+      if (level != Level::position) jet.first = kin.speed(y.coordinate);
+      if (level == Level::acceleration) jet.second = kin.acceleration(y.coordinate);
+      continue;
+    }
+    Relative rel;
+    if (level == Level::position) rel.X_FM = kin.relative_pose(y.F, y.M);
+    if (level == Level::velocity) rel = kin.relative_motion(y.F, y.M);
+    if (level == Level::acceleration) rel = kin.relative_acceleration(y.F, y.M);
+    const PoseFunction at = y.of_pose(rel);
+    jet = {at.value, at.gradient.dot(rel.V), at.gradient.dot(rel.A) + at.bias};
+  }
+}
+
+Jet ExpressionConstraint::run(std::vector<Jet>& jets) const {
+  thread_local std::vector<double> signals;  // no conditions are held: what the formulas compare is compared
+  signals.assign(n_signals_, 0.0);
+  for (const Between& b : between_)
+    jets[static_cast<std::size_t>(b.place)] = b.formula->along(signals.data(), jets.data());
+  return value_->along(signals.data(), jets.data());
+}
+
+Jet ExpressionConstraint::along(int i, int j, std::vector<Jet>& jets) const {
+  const int n = static_cast<int>(arguments_.size());
+  for (int k = 0; k <= n; ++k) {
+    Jet& jet = jets[k == n ? 0 : static_cast<std::size_t>(arguments_[static_cast<std::size_t>(k)].place)];
+    jet.first = k == i || k == j ? 1.0 : 0.0;
+    jet.second = 0.0;
+  }
+  return run(jets);
+}
+
+void ExpressionConstraint::position(const Kinematics& kin, double* g) const {
+  std::vector<Jet>& jets = own_jets();
+  move(kin, Level::position, jets);
+  g[0] = run(jets).value;
+}
+
+void ExpressionConstraint::velocity(const Kinematics& kin, double* g_dot) const {
+  std::vector<Jet>& jets = own_jets();
+  move(kin, Level::velocity, jets);
+  g_dot[0] = run(jets).first;
+}
+
+void ExpressionConstraint::acceleration(const Kinematics& kin, double* g_ddot) const {
+  std::vector<Jet>& jets = own_jets();
+  move(kin, Level::acceleration, jets);
+  g_ddot[0] = run(jets).second;
+}
+
+void ExpressionConstraint::rate(const Kinematics& kin, double* g_t) const {
+  g_t[0] = 0.0;
+  if (!reads_time_) return;
+  std::vector<Jet>& jets = own_jets();
+  move(kin, Level::position, jets);
+  const int n = static_cast<int>(arguments_.size());
+  g_t[0] = along(n, n, jets).first;
+}
+
+void ExpressionConstraint::apply_GT(const Kinematics& kin, const double* x, Loads& loads) const {
+  std::vector<Jet>& jets = own_jets();
+  move(kin, Level::position, jets);
+  for (std::size_t i = 0; i < arguments_.size(); ++i) {
+    const Argument& y = arguments_[i];
+    const double f_i = along(static_cast<int>(i), static_cast<int>(i), jets).first;
+    if (y.is_coordinate()) {
+      loads.apply(y.coordinate, f_i * x[0]);
+      continue;
+    }
+    Relative rel;
+    rel.X_FM = kin.relative_pose(y.F, y.M);
+    loads.apply_between(kin, y.F, y.M, f_i * x[0] * y.of_pose(rel).gradient);
+  }
+}
+
+void ExpressionConstraint::differentiate(const Kinematics& kin, const double* x, Derivatives& d) const {
+  std::vector<Jet>& jets = own_jets();
+  move(kin, Level::velocity, jets);
+  const int n = static_cast<int>(arguments_.size());
+  VectorXd rate(n + 1), f(n + 1);
+  for (int i = 0; i < n; ++i)
+    rate(i) = jets[static_cast<std::size_t>(arguments_[static_cast<std::size_t>(i)].place)].first;
+  rate(n) = 1.0;
+  MatrixXd F(n + 1, n + 1);
+  for (int i = 0; i <= n; ++i) {
+    const Jet jet = along(i, i, jets);
+    f(i) = jet.first;
+    F(i, i) = jet.second;
+  }
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j < i; ++j) F(i, j) = F(j, i) = 0.5 * (along(i, j, jets).second - F(i, i) - F(j, j));
+  const VectorXd f_rate = F * rate;  // of the f_i
+  std::vector<Vector6d> grad(static_cast<std::size_t>(n), Vector6d::Zero());
+  std::vector<Relative> motion(static_cast<std::size_t>(n));
+  std::vector<Matrix6d> H(static_cast<std::size_t>(n), Matrix6d::Zero());
+  for (std::size_t i = 0; i < arguments_.size(); ++i) {
+    const Argument& y = arguments_[i];
+    if (y.is_coordinate()) continue;
+    motion[i] = kin.relative_motion(y.F, y.M);
+    grad[i] = y.of_pose(motion[i]).gradient;
+    H[i] = second_derivative(y.of_pose, motion[i]);
+  }
+  // What is named before changes by `by` with the arguments.
+  const auto by_arguments = [&](const auto& what, const auto& by) {
+    for (std::size_t j = 0; j < arguments_.size(); ++j) {
+      const Argument& y = arguments_[j];
+      const double f_j = by(static_cast<Eigen::Index>(j));
+      if (y.is_coordinate()) {
+        d.by_coordinate(y.coordinate, (what * f_j).eval());
+        continue;
+      }
+      Eigen::Matrix<double, std::remove_cvref_t<decltype(what)>::RowsAtCompileTime, 12> rows;
+      rows.setZero();
+      rows.template leftCols<6>() = what * (f_j * grad[j]).transpose();
+      d.by_relative(y.F, y.M, rows);
+    }
+  };
+  const Eigen::Matrix<double, 1, 1> one = Eigen::Matrix<double, 1, 1>::Ones();
+  for (std::size_t i = 0; i < arguments_.size(); ++i) {
+    const Argument& y = arguments_[i];
+    const auto k = static_cast<Eigen::Index>(i);
+    const auto f_by = [&](Eigen::Index j) { return x[0] * F(k, j); };
+    if (y.is_coordinate()) {
+      d.force(y.coordinate, f(k) * x[0]);
+      by_arguments(one, f_by);
+      continue;
+    }
+    d.between(y.F, y.M, f(k) * x[0] * grad[i]);
+    Eigen::Matrix<double, 6, 12> load = Eigen::Matrix<double, 6, 12>::Zero();
+    load.leftCols<6>() = f(k) * x[0] * H[i];
+    d.by_relative(y.F, y.M, load);
+    by_arguments(grad[i], f_by);
+  }
+  d.rows();
+  by_arguments(one, [&](Eigen::Index j) { return f_rate(j); });
+  for (std::size_t i = 0; i < arguments_.size(); ++i) {
+    const Argument& y = arguments_[i];
+    const double f_i = f(static_cast<Eigen::Index>(i));
+    if (y.is_coordinate()) {
+      d.by_speed(y.coordinate, Eigen::Matrix<double, 1, 1>(f_i));
+      continue;
+    }
+    Eigen::Matrix<double, 1, 12> row;
+    row << f_i * motion[i].V.transpose() * H[i], f_i * grad[i].transpose();
+    d.by_relative(y.F, y.M, row);
+  }
+}
+
+std::vector<OutputInfo> ExpressionConstraint::outputs() const {
+  const input::Dimension force = dimension_ == input::dim::length  ? input::dim::force
+                                 : dimension_ == input::dim::angle ? input::dim::torque
+                                                                   : input::dim::none;
+  return {
+      {"force", force,
+       "generalised force along the value: on a coordinate it puts this times the value's derivative by it"}};
+}
+
+}  // namespace flexura::mbs
