@@ -36,12 +36,12 @@ class Arguments {
         return;
       }
       const auto [F, M] = measure->markers_of_pose();
-      if (F < 0) refuse(name, "no measure of a position, distance or angle");
+      if (F < 0) cannot_read(name, "no measure of a position, distance or angle");
       arguments.push_back(
           {place, {}, F, M, [measure](const Relative& rel) { return measure->of_pose(rel); }});
       return;
     }
-    refuse(name, "a control, an input or a reaction");
+    cannot_read(name, "a control, an input or a reaction");
   }
 
   bool take_coordinate(int place, const std::string& name) {
@@ -50,12 +50,12 @@ class Arguments {
       if (!name.starts_with(joint.name + ".")) continue;
       const std::string own = name.substr(joint.name.size() + 1);
       const auto is_own = [&](const CoordinateInfo& info) { return info.name == own; };
-      if (std::ranges::any_of(joint.joint->speeds(), is_own)) refuse(name, "a speed");
+      if (std::ranges::any_of(joint.joint->speeds(), is_own)) cannot_read(name, "a speed");
       const auto coordinates = joint.joint->coordinates();
       const auto found = std::ranges::find_if(coordinates, is_own);
       if (found == coordinates.end()) continue;
       if (joint.joint->n_p() != joint.joint->n_v())
-        refuse(name,
+        cannot_read(name,
                fmt::format("a coordinate of a {} joint, whose rates are no speeds", joint.joint->type()));
       arguments.push_back(
           {place, {static_cast<int>(j), static_cast<int>(found - coordinates.begin())}, -1, -1, {}});
@@ -64,7 +64,7 @@ class Arguments {
     return false;
   }
 
-  [[noreturn]] void refuse(const std::string& name, const std::string& what) const {
+  [[noreturn]] void cannot_read(const std::string& name, const std::string& what) const {
     s_.refuse("value", fmt::format("reads \"{}\", {}", name.substr(c_.prefix().size()), what),
               "let it read t, parameters, joint coordinates, measures of position, distance, axis, angle or "
               "rotation_angle, and measures that are formulas of these");
