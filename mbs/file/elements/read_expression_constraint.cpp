@@ -55,8 +55,8 @@ class Arguments {
       const auto found = std::ranges::find_if(coordinates, is_own);
       if (found == coordinates.end()) continue;
       if (joint.joint->n_p() != joint.joint->n_v())
-        cannot_read(name,
-               fmt::format("a coordinate of a {} joint, whose rates are no speeds", joint.joint->type()));
+        cannot_read(
+            name, fmt::format("a coordinate of a {} joint, whose rates are no speeds", joint.joint->type()));
       arguments.push_back(
           {place, {static_cast<int>(j), static_cast<int>(found - coordinates.begin())}, -1, -1, {}});
       return true;
