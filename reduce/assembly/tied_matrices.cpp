@@ -234,11 +234,12 @@ linalg::SymmetricMatrix TiedMatrices::shifted_stiffness(double shift) const {
   return K;
 }
 
-// C_i^T (m (x) I_3) C_i X by panels of eight columns, one panel per core at a time.
+// C_i^T (m (x) I_3) C_i X by panels of eight columns, one panel per core at a time; a single one on all cores.
 void TiedMatrices::multiply_M_ii(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const {
   constexpr Eigen::Index kWidth = linalg::RowPanel::ColsAtCompileTime;
   Y.setZero(numbering_.n_i(), X.cols());
-  linalg::parallel_for(static_cast<int>((X.cols() + kWidth - 1) / kWidth), [&](int panel) {
+  const int n_panels = static_cast<int>((X.cols() + kWidth - 1) / kWidth);
+  linalg::parallel_for(n_panels, [&](int panel) {
     const Eigen::Index first = panel * kWidth, width = std::min(kWidth, X.cols() - first);
     linalg::RowPanel U = linalg::RowPanel::Zero(static_cast<Eigen::Index>(numbering_.codes().size()), kWidth),
                      MU;
@@ -249,7 +250,7 @@ void TiedMatrices::multiply_M_ii(const Eigen::Ref<const Eigen::MatrixXd>& X, Eig
             row(c) = code >= 0 && c < width ? X(code, first + c) : 0.0;
         },
         U);
-    m_->multiply_kron3(U, MU);
+    m_->multiply_kron3(U, MU, n_panels == 1);
     collect(numbering_, MU, [&](int code, const auto& row) {
       if (code < 0) return;
       for (Eigen::Index c = 0; c < width; ++c) Y(code, first + c) += row(c);

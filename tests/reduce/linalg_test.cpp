@@ -226,6 +226,18 @@ TEST(SupernodalFactor, WideIndicesGiveTheSameFactor) {
   EXPECT_EQ(X, Y);
 }
 
+TEST(SymmetricMatrix, APanelOnTwoCoresIsThatOnOne) {
+  const SymmetricMatrix A = shifted_cube(22, 0.7);
+  const RowPanel X = random_matrix(3 * A.size(), 8);
+  RowPanel one, two;
+  const int before = threads::count();
+  threads::set_count(2);
+  A.multiply_kron3(X, one);
+  A.multiply_kron3(X, two, true);
+  threads::set_count(before);
+  EXPECT_LT((two - one).norm(), 1e-15 * one.norm());  // seven terms in another order
+}
+
 // Subtrees, what is above them and panels of right-hand sides are cut otherwise for each number of cores and of columns.
 TEST(SupernodalFactor, SolvesAnyNumberOfColumnsOnAnyNumberOfCores) {
   const SymmetricMatrix A = shifted_cube(22, 0.0);

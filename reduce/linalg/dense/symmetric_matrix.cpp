@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 
 #include "mbs/base/math/simd.hpp"
@@ -14,15 +15,16 @@
 namespace flexura::linalg {
 namespace {
 
-// y = A x for W interleaved columns of `Directions` interleaved directions: row 3 i + a of column c is at
-// place (i, a, c), so that what one entry of A multiplies lies together.
+// y += A x for rows first ... last of A and their mirror images, W interleaved columns of `Directions` interleaved directions:
+// row 3 i + a of column c is at place (i, a, c), so that what one entry of A multiplies lies together.  y_begins: the row
+// that y begins with.
 template <int W, int Directions>
-FLEXURA_INLINE void multiply_rows(const UpperCsr& A, const double* x_values, double* y_values) {
+FLEXURA_INLINE void add_rows(const UpperCsr& A, int first, int last, const double* x_values, double* y_values,
+                             std::ptrdiff_t y_begins = 0) {
   using Row = typename Lanes<W>::Row;
   const Row* x = reinterpret_cast<const Row*>(x_values);
   Row* y = reinterpret_cast<Row*>(y_values);
-  std::fill_n(y_values, static_cast<std::ptrdiff_t>(A.n) * Directions * W, 0.0);
-  for (int i = 0; i < A.n; ++i) {
+  for (int i = first; i < last; ++i) {
     const int begin = A.row_begin[i], end = A.row_begin[i + 1];
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(i) * Directions;
     Row x_i[Directions], sum[Directions];
@@ -35,11 +37,41 @@ FLEXURA_INLINE void multiply_rows(const UpperCsr& A, const double* x_values, dou
       const std::ptrdiff_t j = static_cast<std::ptrdiff_t>(A.columns[k]) * Directions;
       for (int d = 0; d < Directions; ++d) {
         sum[d] += a * x[j + d];
-        y[j + d] += a * x_i[d];
+        y[j + d - y_begins] += a * x_i[d];
       }
     }
-    for (int d = 0; d < Directions; ++d) y[row + d] += sum[d];
+    for (int d = 0; d < Directions; ++d) y[row + d - y_begins] += sum[d];
   }
+}
+
+template <int W, int Directions>
+FLEXURA_INLINE void multiply_rows(const UpperCsr& A, const double* x, double* y) {
+  std::fill_n(y, static_cast<std::ptrdiff_t>(A.n) * Directions * W, 0.0);
+  add_rows<W, Directions>(A, 0, A.n, x, y);
+}
+
+// Likewise with shares of the rows on two cores.  The second one's begin in the middle and reach no row above, so that
+// what it has made is half a vector; more cores would wait for memory.
+template <int W, int Directions>
+void multiply_halves(const UpperCsr& A, const double* x, double* y) {
+  const auto half = std::lower_bound(A.row_begin.begin(), A.row_begin.end(), A.row_begin[A.n] / 2);
+  const auto middle = static_cast<int>(half - A.row_begin.begin());
+  const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(Directions) * W, above = middle * row,
+                       all = A.n * row;
+  const std::unique_ptr<double[]> lower(new double[static_cast<std::size_t>(all - above)]);
+  parallel_for(2, [&](int share) {
+    on_wide_registers([&]() __attribute__((always_inline)) {
+      if (share == 0) {
+        std::fill_n(y, all, 0.0);
+        add_rows<W, Directions>(A, 0, middle, x, y);
+      } else {
+        std::fill_n(lower.get(), all - above, 0.0);
+        add_rows<W, Directions>(A, middle, A.n, x, lower.get(),
+                                static_cast<std::ptrdiff_t>(middle) * Directions);
+      }
+    });
+  });
+  for (std::ptrdiff_t k = above; k < all; ++k) y[k] += lower[static_cast<std::size_t>(k - above)];
 }
 
 template <int W>
@@ -166,10 +198,15 @@ void SymmetricMatrix::multiply_kron3(const Eigen::Ref<const Eigen::MatrixXd>& X,
   multiply_panels(csr(), 3, X, Y);
 }
 
-void SymmetricMatrix::multiply_kron3(const RowPanel& X, RowPanel& Y) const {
+void SymmetricMatrix::multiply_kron3(const RowPanel& X, RowPanel& Y, bool on_all_cores) const {
   if (X.rows() != 3 * static_cast<Eigen::Index>(size()))
     throw std::logic_error("multiply: the panel does not have the length of the matrix");
   Y.resize(X.rows(), X.cols());
+  constexpr std::size_t kWorthSharing = 20'000;
+  if (on_all_cores && n_cores() > 1 && impl_->columns.size() > kWorthSharing) {
+    multiply_halves<RowPanel::ColsAtCompileTime, 3>(csr(), X.data(), Y.data());
+    return;
+  }
   on_wide_registers([&]() __attribute__((always_inline)) {
     multiply_rows<RowPanel::ColsAtCompileTime, 3>(csr(), X.data(), Y.data());
   });

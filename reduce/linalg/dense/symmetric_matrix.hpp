@@ -53,7 +53,7 @@ class SymmetricMatrix {
   void multiply_magnitudes(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const;
   /// Y = (A (x) I_3) X: A acts on each of the three directions alike.  X is 3n x k, row 3 i + a.
   void multiply_kron3(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::MatrixXd& Y) const;
-  void multiply_kron3(const RowPanel& X, RowPanel& Y) const;
+  void multiply_kron3(const RowPanel& X, RowPanel& Y, bool on_all_cores = false) const;
 
   /// The numbers live as long as this or the matrix.
   std::shared_ptr<const void> share() const { return impl_; }
