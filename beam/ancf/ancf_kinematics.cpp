@@ -4,8 +4,8 @@
 #include <Eigen/Geometry>
 #include <stdexcept>
 
-#include "beam/ancf/hermite.hpp"
-#include "beam/ancf/strain.hpp"
+#include "beam/ancf/element/hermite.hpp"
+#include "beam/ancf/element/strain.hpp"
 
 namespace flexura::beam::ancf {
 

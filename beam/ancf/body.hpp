@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "beam/ancf/ancf_element.hpp"
 #include "beam/ancf/block_tridiagonal.hpp"
+#include "beam/ancf/element/ancf_element.hpp"
 
 /// A chain of ANCF elements as one body:
 ///

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "beam/ancf/strain.hpp"
+#include "beam/ancf/element/strain.hpp"
 
 namespace flexura::beam::ancf {
 

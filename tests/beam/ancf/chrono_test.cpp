@@ -4,7 +4,7 @@
 #include <fstream>
 #include <vector>
 
-#include "beam/ancf/ancf_element.hpp"
+#include "beam/ancf/element/ancf_element.hpp"
 #include "tests/beam/ancf/samples.hpp"
 
 /// The solid beam against the reference files of Chrono's element 3243 (data/README.md).

@@ -6,8 +6,8 @@
 #include <Eigen/Geometry>
 #include <random>
 
-#include "beam/ancf/ancf_element.hpp"
-#include "beam/ancf/hermite.hpp"
+#include "beam/ancf/element/ancf_element.hpp"
+#include "beam/ancf/element/hermite.hpp"
 #include "tests/beam/ancf/samples.hpp"
 
 namespace flexura::beam::ancf {

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "beam/ancf/section_link.hpp"
+#include "beam/ancf/element/section_link.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -9,7 +9,7 @@
 
 #include "beam/ancf/ancf_kinematics.hpp"
 #include "beam/ancf/ancf_statics.hpp"
-#include "beam/ancf/section_link.hpp"
+#include "beam/ancf/element/section_link.hpp"
 #include "beam/section/shapes.hpp"
 #include "tests/beam/ancf/exact/catenary.hpp"
 #include "tests/beam/ancf/exact/elastica.hpp"

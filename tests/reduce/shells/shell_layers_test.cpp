@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "reduce/elements/shell_section.hpp"
-#include "tests/reduce/shell_statics.hpp"
+#include "tests/reduce/shells/shell_statics.hpp"
 
 namespace flexura::reduce {
 namespace {

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "beam/ancf/element_of.hpp"
+#include "beam/ancf/element/element_of.hpp"
 
 namespace flexura::beam::ancf {
 

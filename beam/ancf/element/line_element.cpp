@@ -1,6 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // Elements of an elastic line: stretch and curvature, no section to turn.
-#include "beam/ancf/element_of.hpp"
+#include "beam/ancf/element/element_of.hpp"
 
 namespace flexura::beam::ancf {
 

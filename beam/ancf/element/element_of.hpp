@@ -7,9 +7,9 @@
 #include <tuple>
 #include <type_traits>
 
-#include "beam/ancf/ancf_element.hpp"
-#include "beam/ancf/hermite.hpp"
-#include "beam/ancf/point_set.hpp"
+#include "beam/ancf/element/ancf_element.hpp"
+#include "beam/ancf/element/hermite.hpp"
+#include "beam/ancf/element/point_set.hpp"
 
 /// What the makers of ANCF elements share.  Each maker has a .cpp of its own: the templates below take long
 /// to compile.

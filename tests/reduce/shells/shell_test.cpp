@@ -11,7 +11,7 @@
 #include <numbers>
 
 #include "reduce/elements/material.hpp"
-#include "tests/reduce/shell_statics.hpp"
+#include "tests/reduce/shells/shell_statics.hpp"
 #include "tests/reference.hpp"
 
 namespace flexura::reduce {

@@ -1,6 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // The fully parametrised beam as a solid of rectangular section.
-#include "beam/ancf/element_of.hpp"
+#include "beam/ancf/element/element_of.hpp"
 
 namespace flexura::beam::ancf {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "reduce/elements/shell.hpp"
-#include "tests/reduce/shell_meshes.hpp"
+#include "tests/reduce/shells/shell_meshes.hpp"
 
 /// Statics of a mesh of shells of one material and thickness.
 namespace flexura::reduce::testing {

@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "beam/ancf/ancf_element.hpp"
+#include "beam/ancf/element/ancf_element.hpp"
 #include "beam/section/section.hpp"
 
 /// ANCF constants from the cross-sections that all beams share.

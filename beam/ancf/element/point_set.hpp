@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "beam/ancf/strain.hpp"
+#include "beam/ancf/element/strain.hpp"
 
 /// Quadrature of an ANCF element: forces and exact tangents from a strain measure.
 ///

@@ -2,7 +2,7 @@
 // The fully parametrised beam with a section stiffness.
 #include <Eigen/Cholesky>
 
-#include "beam/ancf/element_of.hpp"
+#include "beam/ancf/element/element_of.hpp"
 
 namespace flexura::beam::ancf {
 

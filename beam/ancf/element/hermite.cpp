@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "beam/ancf/hermite.hpp"
+#include "beam/ancf/element/hermite.hpp"
 
 #include <array>
 #include <stdexcept>
