@@ -187,7 +187,7 @@ TEST(Petsc, ReportsHaveTheWorkInThem) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.err.find("warning: PETSc"), std::string::npos) << outcome.err;
   for (const char* text :
-       {"type: blocklanczos", "blocks of 16 right-hand sides", "(ncv): 47", "type: sinvert", "type: cholesky",
+       {"type: blocklanczos", "blocks of 8 right-hand sides", "(ncv): 47", "type: sinvert", "type: cholesky",
         "package used to perform factorization: fronts", "multifrontal factor", "EPSSolve", "MatMatSolve",
         "MatCholFctrNum", "Summary of Stages", "Assembly", "Factorisation", "Constraint modes",
         "Normal modes", "Projection", "Certificate"})
