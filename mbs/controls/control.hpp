@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -49,6 +50,10 @@ class Control {
   virtual void switching(const double* /*signals*/, const double* /*c*/, double* /*values*/) const {}
   virtual void start_switches(const double* /*signals*/, double* /*c*/) const {}
   virtual void change_switch(int /*which*/, const double* /*signals*/, double* /*c*/) const {}
+
+  /// Of a control that changes at its own events alone: what a small change of the motion sees of it between them, on the
+  /// average, with the same states and switches.  Null for others.
+  virtual std::shared_ptr<const Control> on_the_average() const { return nullptr; }
 
   /// True for one whose output is an algebraic state, which starts at start_algebraic().
   virtual bool is_algebraic() const { return false; }

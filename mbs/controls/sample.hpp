@@ -11,7 +11,7 @@ namespace flexura::mbs {
 /// Sample and hold, as a digital controller sees the world: every `period` the output takes the input's value
 /// and keeps it.  c = (value, time of the next sample), both constant between samples, at which the
 /// integrator stops.
-class Sample final : public Control {
+class Sample : public Control {
  public:
   Sample(std::string name, std::shared_ptr<const Expression> in, double period, double start)
       : Control(std::move(name)), input_(std::move(in)), period_(period), start_(start) {}
@@ -28,6 +28,7 @@ class Sample final : public Control {
     d.by_state(0, 1.0);
   }
   std::vector<int> reads() const override { return input_->reads(); }
+  std::shared_ptr<const Control> on_the_average() const override;
 
   int n_switches() const override { return 1; }
   std::string switch_name(int) const override { return "sample"; }
@@ -44,6 +45,10 @@ class Sample final : public Control {
     c[1] = at(std::rint((c[1] - start_) / period_) + 1.0);
   }
 
+ protected:
+  const Expression& input() const { return *input_; }
+  double period() const { return period_; }  ///< [s]
+
  private:
   /// Times of samples do not add up the round-off of those before.
   double at(double number) const { return start_ + number * period_; }
@@ -51,5 +56,25 @@ class Sample final : public Control {
   std::shared_ptr<const Expression> input_;
   double period_, start_;
 };
+
+/// What is held for a period T is on the average T / 2 old (K. J. Astrom, B. Wittenmark, Computer-Controlled Systems, 3rd
+/// ed. 1997): a lag of that time.
+class SampleAsLag final : public Sample {
+ public:
+  explicit SampleAsLag(const Sample& sample) : Sample(sample) {}
+  void rates(const double* signals, const double* c, double* c_rate) const override {
+    c_rate[0] = (input().evaluate(signals) - c[0]) / (0.5 * period());
+    c_rate[1] = 0.0;
+  }
+  void differentiate_rates(const double* signals, const double*, Derivatives& d) const override {
+    d.rate(0);
+    d.by_formula(input(), signals, 2.0 / period());
+    d.by_state(0, -2.0 / period());
+  }
+};
+
+inline std::shared_ptr<const Control> Sample::on_the_average() const {
+  return std::make_shared<SampleAsLag>(*this);
+}
 
 }  // namespace flexura::mbs

@@ -90,7 +90,10 @@ void read_markers(ReadModel& model, const Section& s, int body, const Pose& X_B,
     Vector3d carried_at = X.p;  // of the undeformed body
     for (const MarkerDescription& other : d.markers)
       if (other.name == name)
-        m.refuse("", "has the name of an interface of the superelement", "choose another name");
+        m.refuse("",
+                 se ? "has the name of an interface of the superelement"
+                    : "has the name of an end or a point of the beam, which is a marker already",
+                 "choose another name");
     for (const char* key : {"weights", "link"})
       if (m.has(key) && !linking_key(m))
         m.refuse(key, "is for a marker on several nodes", "say which by nodes, points or within");

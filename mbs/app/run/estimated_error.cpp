@@ -173,6 +173,12 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judge
              fmt::format("forces change within {:.3g} s, more often than is looked at beside "
                          "rows {:.3g} s apart: compare with a run with more modes",
                          truncation->missed, truncation->rows_apart)});
+      else if (!truncation->followed_roughly.empty())
+        out.sources.push_back({"modes",
+                               source.body,
+                               {},
+                               source.error,
+                               truncation->followed_roughly + ": compare with a run with more modes"});
       else
         // Alone a body may be worst for another output.
         out.sources.push_back(
@@ -180,6 +186,7 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judge
              truncation->by_body.size() > 1 && !source.output.empty() ? "in " + source.output : ""});
   }
   add_bodies(prepared, out.sources);
+  add_stresses(prepared, out.sources);
   const auto is_judged = [&](const std::string& body) {
     return judges.elements &&
            std::ranges::find(judges.elements->bodies, body) != judges.elements->bodies.end();
@@ -211,6 +218,7 @@ std::vector<ErrorSource> discretisation_of(const mbs::PreparedMechanism& prepare
       sources.push_back({"modes", body.name, {}, 0.0, "flexura simulate estimates them"});
   }
   add_bodies(prepared, sources);
+  add_stresses(prepared, sources);
   for (const mbs::BlindSpot& spot : prepared.file.blind_spots)
     sources.push_back({spot.kind, spot.name, {}, 0.0, spot.remedy});
   return sources;

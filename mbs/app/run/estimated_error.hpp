@@ -21,6 +21,8 @@
 /// - mesh of a body: its reduction's report, twice the estimated relative error of its first free frequency
 ///   (stiffness goes with its square) and the mesh's volume against CAD; a part of the body's deformation.
 ///   It counts in full, as if the output were nothing but deformation;
+/// - stress of a body, where it is stored: what its reduction says of the greatest under loads on its interfaces,
+///   unknown where that is unbounded and at stress points; beside what the mesh makes of deformation;
 /// - elements of beams: two runs more with other numbers of them (mbs/study/estimate/elements_check.hpp), where the user
 ///   asked for it or for an accuracy.
 ///
@@ -32,7 +34,7 @@ namespace flexura::app {
 
 struct ErrorSource {
   std::string
-      kind;  ///< "integrator", "modes", "mesh", "elements", "link", "user_element", "surface_contact", "stiffening", "switch"
+      kind;  ///< "integrator", "modes", "mesh", "stress", "elements", "link", "user_element", "surface_contact", "stiffening", "switch"
   std::string name;             ///< of the body or element; empty for the integrator
   std::optional<double> error;  ///< relative; nothing where it is unknown
   double at_least = 0.0;        ///< of an unknown one
@@ -64,6 +66,9 @@ std::string estimated_error_text(const ErrorEstimate& estimate);
 /// right, or where something that may well exceed it is unknown (modes that no row judges, elements of beams, switching);
 /// empty else.
 std::string missed_accuracy(const ErrorEstimate& estimate, double accuracy);
+
+/// What the mesh costs the stresses that are stored, a source for each body.
+void add_stresses(const mbs::PreparedMechanism& prepared, std::vector<ErrorSource>& sources);
 
 /// What the bodies' modes, meshes and elements cost, as far as it is known before a run.
 std::vector<ErrorSource> discretisation_of(const mbs::PreparedMechanism& prepared);

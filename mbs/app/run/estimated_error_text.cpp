@@ -23,6 +23,7 @@ std::string words_of(const std::string& kind, const std::string& names) {
   if (kind == "integrator") return "integrator";
   if (kind == "modes") return "modes left out of " + names;
   if (kind == "mesh") return "mesh and reduction of " + names;
+  if (kind == "stress") return "stress of " + names + " by its mesh";
   if (kind == "elements") return "elements of " + names;
   if (kind == "plane") return "bending across the plane of " + names;
   if (kind == "surface_contact") return "surface in contact of " + names;
@@ -140,7 +141,7 @@ std::string missed_accuracy(const ErrorEstimate& estimate, double accuracy) {
   // Meshes are what they are in every run; the rest is an estimate to first order.
   double of_run = estimate.at_least;
   for (const Entry& e : all)
-    if (e.kind == "mesh") of_run -= e.error.value_or(e.at_least);
+    if (e.kind == "mesh" || e.kind == "stress") of_run -= e.error.value_or(e.at_least);
   if (of_run > kSure * accuracy)
     return fmt::format(
         "whether the {} asked for is met is not sure: the error is estimated at {}{} of the rms of {}, "
@@ -149,16 +150,19 @@ std::string missed_accuracy(const ErrorEstimate& estimate, double accuracy) {
         percent(accuracy), estimate.is_whole ? "" : "at least ", percent(estimate.at_least), estimate.of);
   std::vector<std::string> blind;
   for (const Entry& e : all)
-    if (!e.error &&
-        (e.kind == "integrator" || e.kind == "modes" || e.kind == "switch" || e.kind == "elements"))
+    if (!e.error && (e.kind == "integrator" || e.kind == "modes" || e.kind == "stress" ||
+                     e.kind == "switch" || e.kind == "elements"))
       blind.push_back(words_of(e.kind, e.names));
   if (blind.empty()) return {};
   const bool of_elements =
       std::ranges::any_of(all, [](const Entry& e) { return !e.error && e.kind == "elements"; });
+  const bool of_stress =
+      std::ranges::any_of(all, [](const Entry& e) { return !e.error && e.kind == "stress"; });
   return fmt::format(
-      "whether the {} asked for is met is unknown: nothing judges {}; compare with a run with {}",
+      "whether the {} asked for is met is unknown: nothing judges {}; compare with a run with {}{}",
       percent(accuracy), fmt::join(blind, ", "),
-      of_elements ? "a tenth of it and twice as many elements" : "a tenth of it");
+      of_elements ? "a tenth of it and twice as many elements" : "a tenth of it",
+      of_stress ? " and with a finer mesh" : "");
 }
 
 nlohmann::json estimated_error_json(const ErrorEstimate& estimate, const Judges& judges,

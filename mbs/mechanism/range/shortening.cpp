@@ -148,7 +148,7 @@ double how_held(const Mechanism& mechanism, int body, const BendingLine& line, c
   A.topLeftCorner(n.n_v, n.n_v) = 0.5 * (z_v + z_v.transpose()) + omega2 * M;
   if (n.n_lambda > 0) {
     MatrixXd G(n.n_lambda, n.n_v);
-    mechanism.constraint_matrix(s.t, s.p, *scratch, G);
+    mechanism.constraint_matrix(s, s.p, *scratch, G);
     A.bottomLeftCorner(n.n_lambda, n.n_v) = G;
     A.topRightCorner(n.n_v, n.n_lambda) = G.transpose();
   }

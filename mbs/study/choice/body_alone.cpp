@@ -42,6 +42,12 @@ void BodyAlone::project(const LinearisedRow& row, LinearisedRow& small) const {
   project_matrix(row.M, small.M);
   project_matrix(row.D, small.D);
   project_matrix(row.K, small.K);
+  project(row.C_p, small.C_p);
+  project(row.C_v, small.C_v);
+  MatrixXd transposed;
+  project(row.Z_c.transpose(), transposed);
+  small.Z_c = transposed.transpose();
+  small.C_c = row.C_c;
   small.D.diagonal().tail(extra_damping_.size()) += extra_damping_;
   small.number = row.number;
 }

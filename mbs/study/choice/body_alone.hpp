@@ -20,7 +20,7 @@ class BodyAlone {
 
   Eigen::Index n() const { return static_cast<Eigen::Index>(joint_.size()) + S_.cols(); }
 
-  /// M, D and K of the row (n_v x n_v), n x n; not its G.
+  /// M, D and K of the row (n_v x n_v), n x n, and what its states are beside them; not its G.
   void project(const LinearisedRow& row, LinearisedRow& small) const;
   /// G (n_lambda x n_v), n_lambda x n.
   void project(const Eigen::MatrixXd& G, Eigen::MatrixXd& small) const;

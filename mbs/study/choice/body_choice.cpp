@@ -67,8 +67,10 @@ void BodyChoice::refine() {
 void BodyChoice::explain(const Screened& s, double share) {
   const double first = 2.0 * std::numbers::pi * s.first_hz;
   const Candidate& c = candidate;
-  reason = fmt::format("rigid, {} would be off by {}; excitation reaches {} Hz", s.output,
-                       percent(s.rigid_error), number(s.excitation_hz, 2));
+  // Of a load that jumps the spectrum has no end.
+  reason = fmt::format(
+      "rigid, {} would be off by {}; excitation reaches {}", s.output, percent(s.rigid_error),
+      s.excitation_hz > s.highest_hz ? "beyond all its modes" : number(s.excitation_hz, 2) + " Hz");
   if (c.all)
     reason += fmt::format("; no smaller number keeps outputs within {}", percent(share));
   else if (c.modes == 0)

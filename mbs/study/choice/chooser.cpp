@@ -207,7 +207,8 @@ void Chooser::choose_beams(const std::vector<ScreenedBeam>& screened) {
 
 // A share of the budget for each body, those of least influence first: what one does not need is the others'.
 void Chooser::choose() {
-  double left = kShareOfModes * accuracy_;
+  // What is followed roughly has a tenth of its share.
+  double left = (sizes_.followed_roughly.empty() ? 1.0 : 0.1) * kShareOfModes * accuracy_;
   auto bodies = static_cast<double>(choices_.size() - without_influence_.size());
   const auto spend = [&](double loss) {
     left = std::max(0.0, left - loss);

@@ -55,8 +55,11 @@ bool Follower::next(VectorXd* y) {
   correction_.step(i == 0 ? 0.0 : at.s.t - rows_[i - every_].s.t, small_, G_, alone_.load(at.residual),
                    &transients_, jumped);
   if (!y) return true;
-  full_.move(at.s, alone_.spread(correction_.delta().col(0)), alone_.spread(correction_.rate().col(0)),
-             correction_.dlambda().rows() > 0 ? VectorXd(correction_.dlambda().col(0)) : VectorXd(), moved_);
+  const auto only = [](const MatrixXd& of) { return of.rows() > 0 ? VectorXd(of.col(0)) : VectorXd(); };
+  full_.move(at.s, row,
+             {alone_.spread(correction_.delta().col(0)), alone_.spread(correction_.rate().col(0)),
+              only(correction_.dlambda()), only(correction_.states())},
+             moved_);
   full_.evaluate(outputs_, moved_, at.v_dot + alone_.spread(correction_.acceleration().col(0)), *y);
   return true;
 }

@@ -80,7 +80,8 @@ void Screening::keep(bool is_look) {
   // What does not fit is taken anew where it is wanted.
   const auto& row = shadows_->linearised().row();
   if (row->number != last_number_)
-    memory_ += 8.0 * static_cast<double>(row->M.size() + row->D.size() + row->K.size() + row->G.size());
+    memory_ += 8.0 * static_cast<double>(row->M.size() + row->D.size() + row->K.size() + row->G.size() +
+                                         3 * row->Z_c.size());
   last_number_ = row->number;
   if (memory_ < kMostMemory) rows_.back().linearised = row;
 }
@@ -108,7 +109,7 @@ std::optional<Screening::Basis> Screening::basis_of(const std::string& body,
                                                     const std::vector<std::string>& words) const {
   const ModalBlock& block = block_of(body);
   std::vector<std::string> overrides = overrides_;
-  for (const std::string& word : words) overrides.push_back(fmt::format("body.{}.{}", body, word));
+  for (const std::string& word : words) overrides.push_back(fmt::format("{}.{}", table_of(body), word));
   try {
     mbs::MechanismFile file = mbs::read_mechanism(file_, mbs::solver_schema(), overrides, run_.cache.get());
     const mbs::Mechanism mechanism(std::move(file.description));
@@ -351,6 +352,7 @@ std::vector<Screened> Screening::bodies(const std::vector<std::string>& for_bodi
                                 ? 2.0 / damping * hz(stiffness_of(full_, block)(0)) / screened.first_hz
                                 : std::numeric_limits<double>::infinity();
     screened.excitation_hz = excitation(block);
+    screened.highest_hz = hz(stiffness_of(full_, block)(block.m - 1));
     change_of_stiffness(block, screened);
     out.push_back(std::move(screened));
   }

@@ -29,6 +29,7 @@ struct Screened {
   double rigid_error = 0.0;       ///< relative rms of the worst output
   std::string output;             ///< that output
   double excitation_hz = 0.0;     ///< 99.9 % of the strain energy of the loads' static response lies below
+  double highest_hz = 0.0;        ///< of its free modes
   double first_hz = 0.0;          ///< first frequency as the body's joint holds it
   double ringing_time = 0.0;      ///< [s] in which a vibration of that frequency falls to 1/e
   double spin = 0.0;              ///< [rad/s], largest angular velocity

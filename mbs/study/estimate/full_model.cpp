@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 
@@ -58,6 +59,13 @@ bool can_deform(const mbs::BodyDescription& body) {
   return !body.superelement.empty() && superelement::contents(body.superelement).header.n() > 6;
 }
 
+std::string table_of(const std::string& body) {
+  const auto dot = body.find('.');
+  return dot == std::string::npos
+             ? "body." + body
+             : fmt::format("subsystem.{}.{}", body.substr(0, dot), table_of(body.substr(dot + 1)));
+}
+
 bool has_stiffening_terms(const mbs::BodyDescription& body) {
   const superelement::Contents file = superelement::contents(body.superelement);
   return !body.follows_surface && file.bytes.stiffening > 0.0 &&
@@ -88,10 +96,9 @@ std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run,
   std::vector<std::string> full = overrides;
   bool any = false;
   for (const mbs::BodyDescription& body : run.mechanism->description().bodies) {
-    // A subsystem's bodies are as its own file says.
-    if (body.name.find('.') != std::string::npos || !can_deform(body)) continue;
+    if (!can_deform(body)) continue;
     const auto say = [&](const std::string& words) {
-      full.push_back(fmt::format("body.{}.{}", body.name, words));
+      full.push_back(fmt::format("{}.{}", table_of(body.name), words));
     };
     for (const char* const text : {"coupling=full", "modes=", "max_frequency="}) say(text);
     if (!scope.own_frames)
@@ -109,7 +116,17 @@ std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run,
   }
   if (!any) return nullptr;
   mbs::MechanismFile all = mbs::read_mechanism(file, mbs::solver_schema(), full, run.cache.get());
+  std::vector<std::pair<int, std::string>> samples;
+  int first = 0;  // controls' states are the first
+  for (auto& control : all.description.controls) {
+    if (auto average = control->on_the_average()) {
+      samples.emplace_back(first, control->name());
+      control = std::move(average);
+    }
+    first += control->n_states();
+  }
   std::unique_ptr<FullModel> out(new FullModel(std::make_unique<mbs::Mechanism>(std::move(all.description))));
+  out->samples_ = std::move(samples);
   out->take_start(run);
   return out;
 }
@@ -157,6 +174,56 @@ void FullModel::linearise(const mbs::State& s, const VectorXd& v_dot, Linearised
   row.G = tangents_->G;
   row.D = tangents_->z_v.topRows(mechanism_->sizes().n_v);
   kinematics_->multiply_T(tangents_->z_p.topRows(mechanism_->sizes().n_v), row.K);
+  take_states(row);
+}
+
+void FullModel::take_states(LinearisedRow& row) {
+  const mbs::Sizes n = mechanism_->sizes();
+  const mbs::TangentMatrices& z = *tangents_;
+  row.Z_c = z.z_c.topRows(n.n_v);
+  row.C_v = z.z_v.middleRows(n.n_v, n.n_dyn);
+  row.C_c = z.z_c.middleRows(n.n_v, n.n_dyn);
+  row.C_p.setZero(n.n_dyn, n.n_v);
+  if (n.n_dyn > 0) kinematics_->multiply_T(z.z_p.middleRows(n.n_v, n.n_dyn), row.C_p);
+  row.A_p.resize(0, n.n_v);
+  row.A_v.resize(0, n.n_v);
+  row.A_c.resize(0, n.n_dyn);
+  if (n.n_alg > 0) {
+    // 0 = b: A alpha + ... = 0, for which A must be regular.
+    const Eigen::FullPivLU<MatrixXd> lu(z.z_a.bottomRows(n.n_alg));
+    if (lu.isInvertible()) {
+      MatrixXd b_p;
+      kinematics_->multiply_T(z.z_p.bottomRows(n.n_alg), b_p);
+      row.A_p = -lu.solve(b_p);
+      row.A_v = -lu.solve(z.z_v.bottomRows(n.n_alg));
+      row.A_c = -lu.solve(z.z_c.bottomRows(n.n_alg));
+      const MatrixXd Z_a = z.z_a.topRows(n.n_v), C_a = z.z_a.middleRows(n.n_v, n.n_dyn);
+      row.K += Z_a * row.A_p;
+      row.D += Z_a * row.A_v;
+      row.Z_c += Z_a * row.A_c;
+      row.C_p += C_a * row.A_p;
+      row.C_v += C_a * row.A_v;
+      row.C_c += C_a * row.A_c;
+    }
+  }
+  // What is like the run alone, where deformations have a way into it.
+  std::vector<bool> moves(static_cast<std::size_t>(n.n_dyn));
+  for (int round = 0; round <= n.n_dyn; ++round)
+    for (Index k = 0; k < n.n_dyn; ++k) {
+      bool any = !row.C_p.row(k).isZero(0.0) || !row.C_v.row(k).isZero(0.0);
+      for (Index l = 0; l < n.n_dyn; ++l)
+        any = any || (row.C_c(k, l) != 0.0 && moves[static_cast<std::size_t>(l)]);
+      moves[static_cast<std::size_t>(k)] = any;
+    }
+  if (!followed_roughly_.empty()) return;
+  for (const auto& [state, name] : samples_)
+    if (moves[static_cast<std::size_t>(state)])
+      followed_roughly_ =
+          fmt::format("what the jumps of the sampled control {} make ring is not followed", name);
+  if (mechanism_->follows_states() && std::ranges::find(moves, true) != moves.end())
+    followed_roughly_ = "drives that follow controls are taken to move as they do in the run";
+  if (mechanism_->algebraic_is_coupled())
+    followed_roughly_ = "accelerations and reactions in formulas are taken to be those of the run";
 }
 
 void FullModel::evaluate(const std::vector<int>& which, const mbs::State& s, const VectorXd& v_dot,
@@ -165,12 +232,16 @@ void FullModel::evaluate(const std::vector<int>& which, const mbs::State& s, con
   mechanism_->evaluate(which, s, v_dot, *scratch_, y);
 }
 
-void FullModel::move(const mbs::State& s, const VectorXd& delta, const VectorXd& rate,
-                     const VectorXd& dlambda, mbs::State& moved) const {
+void FullModel::move(const mbs::State& s, const LinearisedRow& row, const Correction& by,
+                     mbs::State& moved) const {
   moved = s;
-  mechanism_->retract(s.p, delta, moved.p);
-  moved.v += rate;
-  if (dlambda.size() > 0) moved.lambda += dlambda;
+  mechanism_->retract(s.p, by.delta, moved.p);
+  moved.v += by.rate;
+  if (by.dlambda.size() > 0) moved.lambda += by.dlambda;
+  if (by.states.size() > 0) moved.c += by.states;
+  if (row.A_p.rows() == 0) return;
+  moved.a += row.A_p * by.delta + row.A_v * by.rate;
+  if (by.states.size() > 0) moved.a += row.A_c * by.states;
 }
 
 namespace {

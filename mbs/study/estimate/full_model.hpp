@@ -29,6 +29,9 @@ struct ModalBlock {
 /// carries a rigid body's inertia and picture.
 bool can_deform(const mbs::BodyDescription& body);
 
+/// The body's table for overrides: "body.rod", of a subsystem's "left.rod" "subsystem.left.body.rod".
+std::string table_of(const std::string& body);
+
 /// The superelement's file holds geometric stiffening terms for what loads the body: no marker follows nodes
 /// of its surface, and no force puts a load case on it whose terms it lacks.
 bool has_stiffening_terms(const mbs::BodyDescription& body);
@@ -68,20 +71,31 @@ class FullModel {
   /// y: the quantities `which` (Mechanism's numbers) at the state, each in its SI unit.
   void evaluate(const std::vector<int>& which, const mbs::State& s, const Eigen::VectorXd& v_dot,
                 Eigen::VectorXd& y);
-  /// s moved by a correction: the tangent vector delta (n_v), its rate (n_v) and dlambda (n_lambda).
-  void move(const mbs::State& s, const Eigen::VectorXd& delta, const Eigen::VectorXd& rate,
-            const Eigen::VectorXd& dlambda, mbs::State& moved) const;
+  /// What a linear correction makes of a state: the tangent vector delta (n_v), its rate (n_v), dlambda (n_lambda) and
+  /// the states gamma (n_dyn) of controls and forces.
+  struct Correction {
+    Eigen::VectorXd delta, rate, dlambda, states;
+  };
+  /// s moved by it; algebraic states by the row's matrices.
+  void move(const mbs::State& s, const LinearisedRow& row, const Correction& by, mbs::State& moved) const;
+
+  /// Of what the correction is no more than like the run: sampled controls that read the motion, followed as lags of
+  /// half their period, drives that follow states, formulas that read reactions.  Empty where there is none.
+  const std::string& followed_roughly() const { return followed_roughly_; }
 
  private:
   friend class Embedding;
   explicit FullModel(std::unique_ptr<mbs::Mechanism> mechanism);
   void take_start(const mbs::PreparedMechanism& run);
+  void take_states(LinearisedRow& row);
 
   std::unique_ptr<mbs::Mechanism> mechanism_;
   std::unique_ptr<mbs::Equations::Scratch> scratch_;
   std::unique_ptr<mbs::Tangents> tangents_;
   std::unique_ptr<mbs::KinematicBlocks> kinematics_;
   std::vector<ModalBlock> blocks_;
+  std::vector<std::pair<int, std::string>> samples_;  // first state of each sampled control, its name
+  std::string followed_roughly_;
   Eigen::VectorXd c_rate_, b_;
 };
 

@@ -102,8 +102,18 @@ class Graph {
   }
 
  private:
+  void take_all() {
+    moves_.setConstant(true);
+    shows_.setConstant(true);
+  }
+
   void add(const mbs::State& s, const VectorXd& v_dot, const LinearisedRow& row) {
     const Index n = n_.n_v, l = n_.n_lambda;
+    // Ways through states (a motor's that lags behind its command) are not told apart.
+    if (!row.C_p.isZero(0.0) || !row.C_v.isZero(0.0)) {
+      take_all();
+      return;
+    }
     // Of unit masses and unit rows.
     const VectorXd scale = row.M.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     MatrixXd S = MatrixXd::Zero(n + l, n + l);
@@ -125,7 +135,7 @@ class Graph {
         if (const double size = loads.col(j).norm(); size > 0.0) loads.col(j) /= size;
       const MatrixXd X = lu.solve(loads);
       if (!X.allFinite()) {
-        moves_.setConstant(true);
+        take_all();
         return;
       }
       to_rates = to_rates || X.array().abs() > kNothing;

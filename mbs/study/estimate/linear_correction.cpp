@@ -98,9 +98,21 @@ LinearCorrection::LinearCorrection(Eigen::Index n, Eigen::Index columns) {
 void LinearCorrection::factor(double h, double rho, const LinearisedRow& row) {
   if (row.number != 0 && row.number == number_ && std::abs(h - h_) <= 1e-9 * h && rho == rho_) return;
   const Alpha alpha(rho);
-  A_.compute(h > 0.0 ? MatrixXd(row.M + h * alpha.gamma * alpha.share() * row.D +
-                                h * h * alpha.beta * alpha.share() * row.K)
-                     : row.M);
+  if (!(h > 0.0)) {
+    A_.compute(row.M);
+  } else {
+    MatrixXd A = row.M + h * alpha.gamma * alpha.share() * row.D + h * h * alpha.beta * alpha.share() * row.K;
+    if (const Eigen::Index n_c = row.Z_c.cols(); n_c > 0) {
+      const double implicit = h / (1.0 + rho);
+      states_lu_.compute(MatrixXd::Identity(n_c, n_c) - implicit * row.C_c);
+      states_by_delta_ = states_lu_.solve(implicit * row.C_p);
+      states_by_rate_ = states_lu_.solve(implicit * row.C_v);
+      A.noalias() += row.Z_c * (h * alpha.gamma * alpha.share() * states_by_rate_ +
+                                h * h * alpha.beta * alpha.share() * states_by_delta_);
+    }
+    A_.compute(A);
+  }
+  states_act_ = !row.Z_c.isZero(0.0);
   operator_.clear();
   uses_ = 0;
   number_ = row.number;
@@ -164,7 +176,8 @@ void LinearCorrection::step(double h, const LinearisedRow& row, const MatrixXd& 
         G_part_ = last_G_ + part * (G - last_G_);
         B_part_ = B_last + part * (B - B_last);
         factor_schur(schur[0] + part * (schur[1] + part * schur[2]));
-        if (!operator_.is_there() && ++uses_ > kWorthAnOperator) make_operator(dt, rho, row, {}, {});
+        if (!states_act_ && !operator_.is_there() && ++uses_ > kWorthAnOperator)
+          make_operator(dt, rho, row, {}, {});
         step_once(dt, rho, row, G_part_, B_part_, force);
       } else {
         // Multipliers are those of the row.
@@ -199,9 +212,32 @@ void LinearCorrection::correct(double h, double rho) {
   acceleration_.swap(next_);
 }
 
+// States at the end of a step as far as its predicted positions and rates make them.
+void LinearCorrection::predict_states(double h, double rho, const LinearisedRow& row) {
+  const Eigen::Index n_c = row.Z_c.cols();
+  if (states_.rows() != n_c) states_ = state_rates_ = MatrixXd::Zero(n_c, delta_.cols());
+  if (n_c == 0 || !(h > 0.0)) return;
+  old_states_ = states_ + h * rho / (1.0 + rho) * state_rates_;
+  states_ = states_lu_.solve(old_states_);
+  states_.noalias() += states_by_delta_ * predicted_;
+  states_.noalias() += states_by_rate_ * predicted_rate_;
+}
+
+// And what the accelerations of the step add.
+void LinearCorrection::correct_states(double h, double rho, const LinearisedRow& row) {
+  if (row.Z_c.cols() == 0) return;
+  if (h > 0.0) {
+    const Alpha alpha(rho);
+    states_.noalias() += states_by_delta_ * (h * h * alpha.beta * alpha.share() * acceleration_);
+    states_.noalias() += states_by_rate_ * (h * alpha.gamma * alpha.share() * acceleration_);
+  }
+  state_rates_ = row.C_p * delta_ + row.C_v * rate_ + row.C_c * states_;
+}
+
 void LinearCorrection::step_once(double h, double rho, const LinearisedRow& row, const MatrixXd& G,
                                  const MatrixXd& B, const MatrixXd& load) {
   if (h > 0.0) predict(h, rho);
+  predict_states(h, rho, row);
   // [A G^T; G 0] (acceleration, dlambda) = (rhs, 0 or what closes the loops at position level).
   if (h > 0.0 && operator_.is_there() && operator_G_.rows() == 0) {
     operator_.apply(load, predicted_rate_, predicted_, next_);
@@ -210,6 +246,7 @@ void LinearCorrection::step_once(double h, double rho, const LinearisedRow& row,
     if (h > 0.0) {
       rhs_.noalias() -= row.D * predicted_rate_;
       rhs_.noalias() -= row.K * predicted_;
+      if (states_act_) rhs_.noalias() -= row.Z_c * states_;
     }
     next_ = A_.solve(rhs_);
   }
@@ -228,6 +265,7 @@ void LinearCorrection::step_once(double h, double rho, const LinearisedRow& row,
     auxiliary_ = next_;
     acceleration_.swap(next_);
   }
+  correct_states(h, rho, row);
 }
 
 // Of G that stays: with P = I - B (G B)^-1 G
@@ -252,12 +290,14 @@ void LinearCorrection::make_operator(double h, double rho, const LinearisedRow& 
 void LinearCorrection::step_within_row(double h, double rho, const LinearisedRow& row, const MatrixXd& G,
                                        const MatrixXd& B, const MatrixXd& load) {
   if (!(operator_.is_there() && G.rows() == operator_G_.rows() && (G.rows() == 0 || G == operator_G_))) {
-    if (++uses_ <= kWorthAnOperator) return step_once(h, rho, row, G, B, load);
+    if (states_act_ || ++uses_ <= kWorthAnOperator) return step_once(h, rho, row, G, B, load);
     make_operator(h, rho, row, G, B);
   }
   predict(h, rho);
+  predict_states(h, rho, row);
   operator_.apply(load, predicted_rate_, predicted_, next_);
   correct(h, rho);
+  correct_states(h, rho, row);
 }
 
 }  // namespace flexura::study

@@ -9,19 +9,26 @@
 
 /// The linear equations of a small correction to a run,
 ///
-///     M delta'' + D delta' + K delta + G^T dlambda = f(t),      G delta = 0,
+///     M delta'' + D delta' + K delta + Z_c gamma + G^T dlambda = f(t),      G delta = 0,
+///     gamma' = C_p delta + C_v delta' + C_c gamma,
 ///
-/// with the matrices of the row, for several loads f (columns) at once.  One step of generalised-alpha (Chung
+/// with the matrices of the row, for several loads f (columns) at once; gamma (n_c) is what the correction makes of
+/// the states of controls and forces (filters, motors that lag behind their commands).  One step of generalised-alpha (Chung
 /// and Hulbert 1993, rho_inf = 0.4, in the form of Arnold and Bruels 2007: the equations hold at the rows
 /// themselves, an auxiliary acceleration carries the algorithm) leads from row to row, whatever the
 /// frequencies: what the rows do not resolve responds statically.  That holds where loads change slowly; where
 /// they begin at once or jump, modes ring until their damping has brought them to rest, and there the steps
-/// are as short as the modes ask that still ring (Transients).
+/// are as short as the modes ask that still ring (Transients).  States take a step of the theta method, theta = 1 /
+/// (1 + rho), which damps what no step resolves by as much.
 namespace flexura::study {
 
-/// At one row: M, D, K n x n, G n_lambda x n.
+/// At one row: M, D, K n x n, G n_lambda x n; Z_c n x n_c, C_p and C_v n_c x n, C_c n_c x n_c.
 struct LinearisedRow {
   Eigen::MatrixXd M, D, K, G;
+  Eigen::MatrixXd Z_c, C_p, C_v, C_c;
+  /// Algebraic states follow: alpha = A_p delta + A_v delta' + A_c gamma (n_a x n, n_a x n, n_a x n_c).  They are
+  /// worked into the others.
+  Eigen::MatrixXd A_p, A_v, A_c;
   long number = 0;  ///< of its own where several rows share it, so that its factors serve for all; 0: none
 };
 
@@ -65,6 +72,7 @@ class LinearCorrection {
   const Eigen::MatrixXd& rate() const { return rate_; }
   const Eigen::MatrixXd& acceleration() const { return acceleration_; }
   const Eigen::MatrixXd& dlambda() const { return dlambda_; }  ///< n_lambda x columns
+  const Eigen::MatrixXd& states() const { return states_; }    ///< n_c x columns
 
  private:
   void factor(double h, double rho, const LinearisedRow& row);
@@ -78,7 +86,11 @@ class LinearCorrection {
   void predict(double h, double rho);
   void correct(double h, double rho);
 
+  void predict_states(double h, double rho, const LinearisedRow& row);
+  void correct_states(double h, double rho, const LinearisedRow& row);
+
   Eigen::MatrixXd delta_, rate_, acceleration_, auxiliary_, dlambda_;
+  Eigen::MatrixXd states_, state_rates_;
   Eigen::MatrixXd last_G_, last_load_;
   Eigen::PartialPivLU<Eigen::MatrixXd> A_;  // of the step solved last
   // Where many steps are solved with it, and these of a G that stays the same: what makes one of them.
@@ -88,6 +100,10 @@ class LinearCorrection {
   Eigen::PartialPivLU<Eigen::MatrixXd> schur_;
   // Of a step; kept, since short steps of few coordinates would spend most of their time on memory.
   Eigen::MatrixXd predicted_, predicted_rate_, rhs_, next_, G_part_, B_part_, gap_;
+  // Of the factors: with states, what positions and rates at the end of a step make of these there.
+  Eigen::MatrixXd states_by_delta_, states_by_rate_, old_states_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> states_lu_;
+  bool states_act_ = false;  // upon the motion
   long number_ = 0;
   double h_ = 0.0, rho_ = 0.0;
 };

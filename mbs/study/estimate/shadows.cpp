@@ -107,7 +107,10 @@ void Shadows::Impl::compare(double h) {
     const auto part = [&](const MatrixXd& columns) {
       return all ? VectorXd(columns.rowwise().sum()) : VectorXd(columns.col(k));
     };
-    full.move(s, part(correction->delta()), part(correction->rate()), part(correction->dlambda()), moved);
+    full.move(s, *linearised.row(),
+              {part(correction->delta()), part(correction->rate()), part(correction->dlambda()),
+               part(correction->states())},
+              moved);
     full.evaluate(outputs, moved, v_dot + part(correction->acceleration()), y_moved);
     if (!all) now_source.col(k) = (y_moved - y).cwiseAbs2();
   }
@@ -144,9 +147,7 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, const 
   std::set<std::string> rigid;
   const auto& bodies = run.mechanism->description().bodies;
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    if (bodies[b].name.find('.') == std::string::npos && can_deform(bodies[b]) &&
-        !run.mechanism->deforming(static_cast<int>(b)))
-      rigid.insert(bodies[b].name);
+    if (can_deform(bodies[b]) && !run.mechanism->deforming(static_cast<int>(b))) rigid.insert(bodies[b].name);
   if (rigid.size() > 1)
     rigid = bodies_without_influence(run, file, overrides, std::move(rigid));
   else
@@ -282,8 +283,10 @@ const HeldRows& Shadows::linearised() const {
 mbs::State Shadows::corrected(VectorXd& v_dot) const {
   v_dot = impl_->v_dot + impl_->correction->acceleration().rowwise().sum();
   mbs::State out;
-  impl_->full.move(impl_->s, impl_->correction->delta().rowwise().sum(),
-                   impl_->correction->rate().rowwise().sum(), impl_->correction->dlambda().rowwise().sum(),
+  const LinearCorrection& by = *impl_->correction;
+  impl_->full.move(impl_->s, *impl_->linearised.row(),
+                   {by.delta().rowwise().sum(), by.rate().rowwise().sum(), by.dlambda().rowwise().sum(),
+                    by.states().rowwise().sum()},
                    out);
   return out;
 }
@@ -296,6 +299,7 @@ TruncationEstimate Shadows::estimate() const {
   TruncationEstimate out;
   out.wall = in.wall;
   out.missed = in.missed;
+  out.followed_roughly = in.full.followed_roughly();
   out.rows_apart = in.missed > 0.0 ? in.rows_apart : 0.0;
   out.outputs = in.sums;
   const double span = std::max(in.span, 1e-300);

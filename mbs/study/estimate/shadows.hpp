@@ -53,6 +53,8 @@ struct TruncationEstimate {
   /// Rows are so far apart [s] that they miss what forces do within `missed` [s]: the error is then unknown.
   /// Both 0 where they miss nothing.
   double missed = 0.0, rows_apart = 0.0;
+  /// Why the error is at least this, and no more is known (FullModel::followed_roughly); else empty.
+  std::string followed_roughly;
 };
 
 class Shadows {

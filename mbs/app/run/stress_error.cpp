@@ -1,0 +1,90 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "mbs/app/run/estimated_error.hpp"
+#include "mbs/mechanism/describe.hpp"
+#include "mbs/study/estimate/percent.hpp"
+#include "mbs/superelement/file.hpp"
+
+namespace flexura::app {
+namespace {
+
+// Of the stored quantities of a body: its greatest stress, or components and the like at these of its stress points.
+struct StoredStress {
+  bool greatest = false;
+  std::vector<mbs::StressField::Point> points;
+  bool any() const { return greatest || !points.empty(); }
+};
+
+StoredStress stored_stress(const mbs::BodyDescription& body, const std::vector<std::string>& stored) {
+  const auto is_stored = [&](const std::string& opening) {
+    return std::ranges::any_of(stored, [&](const std::string& name) { return name.starts_with(opening); });
+  };
+  StoredStress out;
+  out.greatest = is_stored(body.name + ".von_mises");
+  for (const mbs::StressField::Point& point : body.stress->points())
+    if (is_stored(fmt::format("{}.{}.", body.name, point.name))) out.points.push_back(point);
+  return out;
+}
+
+ErrorSource stress_of(const mbs::BodyDescription& body, const StoredStress& stored) {
+  ErrorSource out{"stress", body.name, {}, 0.0, "its reduction judged no stress"};
+  const superelement::Superelement se =
+      superelement::read(body.superelement, {.matrices = false, .inertia = false, .mesh_error = true});
+  if (!se.mesh_error) return out;
+  const superelement::MeshError& known = *se.mesh_error;
+  double worst = -1.0;
+  bool is_judged = stored.points.empty() && !known.interfaces.empty();
+  if (stored.greatest)
+    for (const superelement::MeshError::Interface& interface : known.interfaces) {
+      if (interface.stress.singular) {
+        out.note =
+            "no finite stress exists at a sharp re-entrant edge or the edge of a rigid interface, a finer "
+            "mesh only makes it "
+            "greater; round the edge, or store a stress_point away from it";
+        return out;
+      }
+      is_judged = is_judged && interface.stress.peak >= 0.0 && interface.stress.peak < 1.0;
+      if (interface.stress.peak <= worst) continue;
+      worst = interface.stress.peak;
+      out.note = "of the greatest, under loads on " + interface.name;
+    }
+  if (is_judged) {
+    out.error = worst;
+    return out;
+  }
+  // What elements are off is no figure of the nodes' stress, which is better where the field is smooth.
+  double most = -1.0;
+  for (const mbs::StressField::Point& point : stored.points) {
+    const int vertex = body.stress->vertex(point.place);
+    if (vertex >= known.at_vertices.size() || known.at_vertices(vertex) <= most) continue;
+    most = known.at_vertices(vertex);
+    out.note =
+        fmt::format("in elements it is off by {} of the part's rms stress at {}; compare with a finer mesh",
+                    study::percent(most), point.name);
+  }
+  return out;
+}
+
+}  // namespace
+
+void add_stresses(const mbs::PreparedMechanism& prepared, std::vector<ErrorSource>& sources) {
+  const mbs::Mechanism& mechanism = *prepared.mechanism;
+  const auto& bodies = mechanism.description().bodies;
+  if (std::ranges::none_of(bodies, [](const mbs::BodyDescription& body) { return body.stress != nullptr; }))
+    return;
+  const auto infos = mechanism.quantities();
+  std::vector<std::string> stored;
+  for (const int i : mbs::select_quantities(mechanism, prepared.file.outputs))
+    stored.push_back(infos[static_cast<std::size_t>(i)].name);
+  for (const mbs::BodyDescription& body : bodies) {
+    if (!body.stress || !body.flexible) continue;
+    if (const StoredStress of = stored_stress(body, stored); of.any()) sources.push_back(stress_of(body, of));
+  }
+}
+
+}  // namespace flexura::app
