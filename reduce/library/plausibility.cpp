@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "mesh/model/hinges.hpp"
+
 namespace flexura::reduce {
 
 std::string odd_material(const Material& material, bool of_deck) {
@@ -53,6 +55,17 @@ std::string odd_thickness(const mesh::Mesh& mesh) {
       "a shell is {:.3g} m thick where all shells together are {:.3g} m long; is its thickness in the "
       "deck's unit of length?",
       thickest, length);
+}
+
+std::string odd_joint(const mesh::Mesh& mesh) {
+  if (!mesh.shells.empty()) return "";
+  const auto hinge = mesh::find_hinge(mesh);
+  if (!hinge) return "";
+  return fmt::format(
+      "solids share nothing but {} at ({:.4g}, {:.4g}, {:.4g}) m: there they turn freely, unless an "
+      "interface or "
+      "a tie binds them; let them share faces, or tie them",
+      hinge->line ? "an edge" : "a node", hinge->at.x(), hinge->at.y(), hinge->at.z());
 }
 
 }  // namespace flexura::reduce

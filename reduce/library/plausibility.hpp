@@ -15,4 +15,7 @@ std::string odd_material(const Material& material, bool of_deck = false);
 /// A shell that is thicker than a third of all shells are long: most often a thickness in another unit.
 std::string odd_thickness(const mesh::Mesh& mesh);
 
+/// Solids that share an edge or a node alone, in a mesh without shells.
+std::string odd_joint(const mesh::Mesh& mesh);
+
 }  // namespace flexura::reduce

@@ -96,7 +96,8 @@ void add_hints(const PartInput& input, const Attempt& done, ReportData& data) {
         std::ranges::any_of(input.materials, [&](const Material& m) { return m.name == material.name; });
     if (const std::string odd = odd_material(material, !own); !odd.empty()) data.warnings.push_back(odd);
   }
-  if (const std::string odd = odd_thickness(part.mesh); !odd.empty()) data.warnings.push_back(odd);
+  for (const std::string& odd : {odd_thickness(part.mesh), odd_joint(part.mesh)})
+    if (!odd.empty()) data.warnings.push_back(odd);
 }
 
 }  // namespace

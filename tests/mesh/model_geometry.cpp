@@ -1,10 +1,14 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <map>
+#include <vector>
 
 #include "mesh/model/cells/cell.hpp"
 #include "mesh/model/geometry.hpp"
+#include "mesh/model/hinges.hpp"
 
 namespace flexura::mesh {
 namespace {
@@ -149,6 +153,61 @@ TEST(Pieces, UnconnectedCellsAreCounted) {
   EXPECT_EQ(pieces.piece_of_node, (std::vector<Index>{0, 1, 1, 1, 0, 1, 0, 0, -1}));
   EXPECT_EQ(drop_unused_nodes(mesh), 1);
   EXPECT_EQ(mesh.n_nodes(), 8);
+}
+
+// Unit cubes beside the first: at a face, an edge, a corner, and round an edge by way of a third one.
+TEST(Hinges, AreWhereSolidsShareAnEdgeOrANodeAlone) {
+  const auto cubes = [](const std::vector<Eigen::RowVector3d>& places) {
+    Mesh mesh;
+    CellBlock block;
+    block.type = CellType::hex8;
+    block.nodes.resize(static_cast<Eigen::Index>(places.size()), 8);
+    std::map<std::array<int, 3>, Index> number;
+    std::vector<Eigen::RowVector3d> points;
+    for (std::size_t c = 0; c < places.size(); ++c)
+      for (int k = 0; k < 8; ++k) {
+        const Eigen::RowVector3d x =
+            places[c] + Eigen::RowVector3d((k == 1 || k == 2 || k == 5 || k == 6) ? 1 : 0,
+                                           (k == 2 || k == 3 || k == 6 || k == 7) ? 1 : 0, k > 3 ? 1 : 0);
+        const std::array<int, 3> key{static_cast<int>(x.x()), static_cast<int>(x.y()),
+                                     static_cast<int>(x.z())};
+        const auto [at, is_new] = number.emplace(key, static_cast<Index>(points.size()));
+        if (is_new) points.push_back(x);
+        block.nodes(static_cast<Eigen::Index>(c), k) = at->second;
+      }
+    mesh.points.resize(static_cast<Eigen::Index>(points.size()), 3);
+    for (std::size_t k = 0; k < points.size(); ++k) mesh.points.row(static_cast<Eigen::Index>(k)) = points[k];
+    mesh.solids.push_back(block);
+    return find_hinge(mesh);
+  };
+  EXPECT_FALSE(cubes({{0, 0, 0}, {1, 0, 0}}));
+  const auto edge = cubes({{0, 0, 0}, {1, 1, 0}});
+  ASSERT_TRUE(edge);
+  EXPECT_TRUE(edge->line);
+  EXPECT_EQ(edge->at.head<2>(), Eigen::Vector2d(1, 1));
+  const auto corner = cubes({{0, 0, 0}, {1, 1, 1}});
+  ASSERT_TRUE(corner);
+  EXPECT_FALSE(corner->line);
+  EXPECT_EQ(corner->at, Eigen::Vector3d(1, 1, 1));
+  EXPECT_FALSE(cubes({{0, 0, 0}, {1, 1, 0}, {1, 0, 0}}));
+  EXPECT_FALSE(cubes({{0, 0, 0}, {5, 5, 5}}));  // two pieces, which others tell of
+}
+
+// A cube of two wedges on a brick: no face is the same, but what they share lies in no line.
+TEST(Hinges, AreNotWhereFacesOfOtherShapesMeet) {
+  Mesh mesh;
+  mesh.points.resize(12, 3);
+  mesh.points << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1, 0, 0, 2, 1, 0, 2, 1,
+      1, 2, 0, 1, 2;
+  CellBlock brick, wedges;
+  brick.type = CellType::hex8;
+  brick.nodes.resize(1, 8);
+  brick.nodes << 0, 1, 2, 3, 4, 5, 6, 7;
+  wedges.type = CellType::wedge6;
+  wedges.nodes.resize(2, 6);
+  wedges.nodes << 4, 5, 6, 8, 9, 10, 4, 6, 7, 8, 10, 11;
+  mesh.solids = {brick, wedges};
+  EXPECT_FALSE(find_hinge(mesh));
 }
 
 /// integral N dA over a flat tri6 of area A: corners 0, mid-edges A/3.  quad8 of area A: corners -A/12,
