@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/model/hinges.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <map>
