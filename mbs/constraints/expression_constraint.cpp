@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "mbs/constraints/pose_hessians.hpp"
+
 namespace flexura::mbs {
 namespace {
 
@@ -15,19 +17,13 @@ std::vector<Jet>& own_jets() {
   return jets;
 }
 
-/// By X_FM the gradient of y changes by H(., e): from the bias by its polarisation, as in RelativeConstraint.
-Matrix6d second_derivative(const std::function<PoseFunction(const Relative&)>& y, Relative rel) {
-  const auto bias = [&](const Vector6d& V) {
-    rel.V = V;
-    return y(rel).bias;
-  };
-  Matrix6d H;
-  for (int a = 0; a < 6; ++a) H(a, a) = bias(Vector6d::Unit(a));
-  for (int a = 0; a < 6; ++a)
-    for (int b = 0; b < a; ++b)
-      H(a, b) = H(b, a) = 0.5 * (bias(Vector6d::Unit(a) + Vector6d::Unit(b)) - H(a, a) - H(b, b));
-  H.topLeftCorner<3, 3>() -= 0.5 * skew(Vector3d(y(rel).gradient.head<3>()));
-  return H;
+Matrix6d pose_hessian(const std::function<PoseFunction(const Relative&)>& y, Relative rel) {
+  return pose_hessians(
+      [&](const Vector6d& V) {
+        rel.V = V;
+        return Eigen::Matrix<double, 1, 1>(y(rel).bias);
+      },
+      [&](int) { return y(rel).gradient; })[0];
 }
 
 }  // namespace
@@ -171,7 +167,7 @@ void ExpressionConstraint::differentiate(const Kinematics& kin, const double* x,
     if (y.is_coordinate()) continue;
     motion[i] = kin.relative_motion(y.F, y.M);
     grad[i] = y.of_pose(motion[i]).gradient;
-    H[i] = second_derivative(y.of_pose, motion[i]);
+    H[i] = pose_hessian(y.of_pose, motion[i]);
   }
   // What is named before changes by `by` with the arguments.
   const auto by_arguments = [&](const auto& what, const auto& by) {

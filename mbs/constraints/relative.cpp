@@ -3,6 +3,7 @@
 #include <array>
 
 #include "mbs/constraints/constraint.hpp"
+#include "mbs/constraints/pose_hessians.hpp"
 
 namespace flexura::mbs {
 
@@ -65,9 +66,6 @@ Vector6d RelativeConstraint::wrench_on_M(const Kinematics& kin, const double* x)
   return on_M;
 }
 
-// By X_FM along xi the rows of G change by H(xi, .).  gamma is H(V, V), so that its polarisation is the
-// symmetric part of H; the other is half of G (w x theta, 0), since turning about theta and about w do not
-// commute:  H(xi, V) - H(V, xi) = G (w x theta, 0).  (g depends on X_FM alone.)
 void RelativeConstraint::differentiate(const Kinematics& kin, const double* x, Derivatives& d) const {
   const Relative rel = kin.relative_motion(marker_F_, marker_M_);
   const auto rows_at = [&](const Vector6d& V) {
@@ -76,28 +74,20 @@ void RelativeConstraint::differentiate(const Kinematics& kin, const double* x, D
     rows_->constrain(rows);
     return rows;
   };
-  // H[k](b, a) = H_k(e_a, e_b).
-  std::array<Matrix6d, 6> H;
+  // g depends on X_FM alone, and G is the same for every V.
   int n = 0;
   Eigen::Matrix<double, 6, 6, Eigen::RowMajor> G;
-  for (int a = 0; a < 6; ++a) {
-    const Vector6d e = Vector6d::Unit(a);
-    const Rows rows = rows_at(e);
-    n = rows.n;
-    G = rows.G;
-    for (int k = 0; k < n; ++k) H[k](a, a) = rows.gamma(k);
-  }
-  for (int a = 0; a < 6; ++a)
-    for (int b = 0; b < a; ++b) {
-      const Vector6d e = Vector6d::Unit(a) + Vector6d::Unit(b);
-      const Rows rows = rows_at(e);
-      for (int k = 0; k < n; ++k) H[k](a, b) = H[k](b, a) = 0.5 * (rows.gamma(k) - H[k](a, a) - H[k](b, b));
-    }
+  const std::array<Matrix6d, 6> H = pose_hessians(
+      [&](const Vector6d& V) {
+        const Rows rows = rows_at(V);
+        n = rows.n;
+        G = rows.G;
+        return Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>(rows.gamma.head(n));
+      },
+      [&](int k) { return Vector6d(G.row(k).transpose()); });
   Vector6d on_M = Vector6d::Zero();
   Eigen::Matrix<double, 6, 12> load = Eigen::Matrix<double, 6, 12>::Zero(), rates = load;
   for (int k = 0; k < n; ++k) {
-    // e_b . [-G]x e_a / 2 = G . (e_b x e_a) / 2.
-    H[k].topLeftCorner<3, 3>() -= 0.5 * skew(G.row(k).head<3>().transpose());
     on_M += x[k] * G.row(k).transpose();
     load.leftCols<6>() += x[k] * H[k];
     rates.row(k) << rel.V.transpose() * H[k], G.row(k);

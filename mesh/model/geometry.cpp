@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <stdexcept>
 #include <tuple>
 
+#include "mesh/model/disjoint_sets.hpp"
 #include "mesh/model/samples.hpp"
 
 namespace flexura::mesh {
@@ -185,32 +185,25 @@ Eigen::VectorXd area_weights(const Mesh& mesh, const NodeSet& set, AreaWeights k
 }
 
 Pieces find_pieces(const Mesh& mesh) {
-  std::vector<Index> parent(static_cast<std::size_t>(mesh.n_nodes()));
-  std::iota(parent.begin(), parent.end(), 0);
-  std::vector<char> used(parent.size(), 0);
-  const auto root = [&](Index k) {
-    while (parent[k] != k) k = parent[k] = parent[parent[k]];
-    return k;
-  };
+  DisjointSets sets(static_cast<std::size_t>(mesh.n_nodes()));
+  std::vector<char> used(sets.size(), 0);
   for (const auto* blocks : {&mesh.solids, &mesh.shells})
     for (const CellBlock& block : *blocks)
       for (Index cell = 0; cell < block.nodes.rows(); ++cell) {
-        Index a = root(block.nodes(cell, 0));
         for (Eigen::Index k = 0; k < block.nodes.cols(); ++k) {
           used[block.nodes(cell, k)] = 1;
-          const Index b = root(block.nodes(cell, k));
-          if (a != b) a = parent[std::max(a, b)] = std::min(a, b);
+          sets.join(block.nodes(cell, 0), block.nodes(cell, k));
         }
       }
   Pieces pieces;
-  pieces.piece_of_node.assign(parent.size(), -1);
+  pieces.piece_of_node.assign(sets.size(), -1);
   for (Index k = 0; k < mesh.n_nodes(); ++k) {
     if (!used[k]) continue;
-    const Index r = root(k);
+    const Index r = sets.of(k);
     if (r == k)
       pieces.piece_of_node[k] = pieces.count++;
     else
-      pieces.piece_of_node[k] = pieces.piece_of_node[r];  // r < k by construction
+      pieces.piece_of_node[k] = pieces.piece_of_node[r];  // r < k
   }
   return pieces;
 }

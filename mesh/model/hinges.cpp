@@ -5,35 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <numeric>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "mesh/model/cells/cell.hpp"
+#include "mesh/model/disjoint_sets.hpp"
 
 namespace flexura::mesh {
 
 namespace {
-
-/// Things that are joined step by step.
-class Groups {
- public:
-  explicit Groups(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
-  std::size_t size() const { return parent_.size(); }
-  std::size_t of(std::size_t k) {
-    while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
-    return k;
-  }
-  bool join(std::size_t a, std::size_t b) {
-    a = of(a), b = of(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-    return a != b;
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
 
 // 0: one place, 1: a line, 2: more.
 int spread(const Mesh& mesh, const std::vector<Index>& nodes) {
@@ -55,13 +36,13 @@ int spread(const Mesh& mesh, const std::vector<Index>& nodes) {
 
 struct Face {
   std::array<Index, 4> corners;  // sorted, -1 first for triangles
-  std::size_t cell;
+  int cell;
 };
 
 // Cells, numbered block by block, by the faces that they share.
-void join_by_faces(const Mesh& mesh, Groups& groups) {
+void join_by_faces(const Mesh& mesh, DisjointSets& groups) {
   std::vector<Face> faces;
-  std::size_t number = 0;
+  int number = 0;
   for (const CellBlock& block : mesh.solids)
     for (Index cell = 0; cell < block.nodes.rows(); ++cell, ++number)
       for (const CellFace& face : shape_of(block.type).faces) {
@@ -79,26 +60,26 @@ void join_by_faces(const Mesh& mesh, Groups& groups) {
 }  // namespace
 
 std::optional<MeshHinge> find_hinge(const Mesh& mesh) {
-  Groups groups(static_cast<std::size_t>(mesh.n_solid_cells()));
+  DisjointSets groups(static_cast<std::size_t>(mesh.n_solid_cells()));
   join_by_faces(mesh, groups);
   bool is_one = true;
-  for (std::size_t k = 0; k < groups.size() && is_one; ++k) is_one = groups.of(k) == groups.of(0);
+  for (int k = 0; k < static_cast<int>(groups.size()) && is_one; ++k) is_one = groups.of(k) == 0;
   if (is_one) return std::nullopt;
   // The groups at each corner node that has more than one.
-  std::vector<std::set<std::size_t>> at_node(static_cast<std::size_t>(mesh.n_nodes()));
-  std::size_t number = 0;
+  std::vector<std::set<int>> at_node(static_cast<std::size_t>(mesh.n_nodes()));
+  int number = 0;
   for (const CellBlock& block : mesh.solids)
     for (Index cell = 0; cell < block.nodes.rows(); ++cell, ++number)
       for (int k = 0; k < shape_of(block.type).corners; ++k)
         at_node[static_cast<std::size_t>(block.nodes(cell, k))].insert(groups.of(number));
-  std::map<std::pair<std::size_t, std::size_t>, std::vector<Index>> shared;
+  std::map<std::pair<int, int>, std::vector<Index>> shared;
   for (bool any = true; any;) {
     any = false;
     shared.clear();
     for (std::size_t node = 0; node < at_node.size(); ++node) {
       if (at_node[node].size() < 2) continue;
-      std::set<std::size_t> now;
-      for (const std::size_t group : at_node[node]) now.insert(groups.of(group));
+      std::set<int> now;
+      for (const int group : at_node[node]) now.insert(groups.of(group));
       at_node[node] = now;
       for (auto a = now.begin(); a != now.end(); ++a)
         for (auto b = std::next(a); b != now.end(); ++b) shared[{*a, *b}].push_back(static_cast<Index>(node));

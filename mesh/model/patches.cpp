@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "mesh/model/cells/cell.hpp"
+#include "mesh/model/disjoint_sets.hpp"
 
 namespace flexura::mesh {
 namespace {
@@ -80,12 +80,7 @@ void attach_faces_to_sets(Mesh& mesh) {
 std::vector<Index> find_patches(const Mesh& mesh, double angle) {
   std::vector<Vector3d> normals;
   std::map<std::pair<Index, Index>, Index> first_at_edge;
-  std::vector<Index> parent(count_cells(mesh.boundary));
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](Index k) {
-    while (parent[k] != k) k = parent[k] = parent[parent[k]];
-    return k;
-  };
+  DisjointSets sets(static_cast<std::size_t>(count_cells(mesh.boundary)));
   const double cosine = std::cos(angle);
   for (const CellBlock& block : mesh.boundary) {
     const int n = shape_of(block.type).corners;
@@ -96,15 +91,14 @@ std::vector<Index> find_patches(const Mesh& mesh, double angle) {
         const auto edge = std::minmax(block.nodes(cell, k), block.nodes(cell, (k + 1) % n));
         const auto [at, fresh] = first_at_edge.emplace(std::pair<Index, Index>(edge), own);
         if (fresh || normals[at->second].dot(normals[own]) < cosine) continue;
-        const Index a = root(at->second), b = root(own);
-        parent[std::max(a, b)] = std::min(a, b);
+        sets.join(at->second, own);
       }
     }
   }
-  std::vector<Index> patch(parent.size());
+  std::vector<Index> patch(sets.size());
   Index count = 0;
-  for (std::size_t k = 0; k < parent.size(); ++k) {
-    const Index r = root(static_cast<Index>(k));
+  for (std::size_t k = 0; k < sets.size(); ++k) {
+    const Index r = sets.of(static_cast<Index>(k));
     patch[k] = r == static_cast<Index>(k) ? ++count : patch[r];
   }
   return patch;

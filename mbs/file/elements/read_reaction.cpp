@@ -31,17 +31,13 @@ std::vector<Readable> all_readable(const MechanismDescription& d) {
     const int k = static_cast<int>(j);
     if (joint.joint->n_rows() > 0) add_outputs(joint.name, wrench_outputs(true, true), {By::joint, k}, all);
     const auto coordinates = joint.joint->coordinates();
-    const auto kinds = {&joint.drives, &joint.speed_drives, &joint.acceleration_drives};
-    std::size_t n = 0;
-    for (const auto* drives : kinds) n += drives->size();
-    for (const auto* drives : kinds)
-      for (const auto& [index, motion] : *drives) {
-        const CoordinateInfo& c = coordinates[static_cast<std::size_t>(index)];
-        all.push_back({joint.name + (n > 1 ? ".drive_force_" + c.name : ".drive_force"),
-                       {By::drive, k, index},
-                       0,
-                       c.dimension == input::dim::angle ? input::dim::torque : input::dim::force});
-      }
+    for (const int index : joint.driven()) {
+      const bool is_angle = coordinates[static_cast<std::size_t>(index)].dimension == input::dim::angle;
+      all.push_back({joint.name + "." + joint.drive_force_name(index),
+                     {By::drive, k, index},
+                     0,
+                     is_angle ? input::dim::torque : input::dim::force});
+    }
   }
   for (std::size_t k = 0; k < d.constraints.size(); ++k)
     add_outputs(d.constraints[k]->name(), d.constraints[k]->outputs(), {By::constraint, static_cast<int>(k)},

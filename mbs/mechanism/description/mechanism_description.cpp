@@ -13,6 +13,18 @@ int MechanismDescription::add_marker(int body, const std::string& marker_name, c
   return static_cast<int>(markers.size()) - 1;
 }
 
+std::vector<int> JointDescription::driven() const {
+  std::vector<int> all;
+  for (const auto* one : {&drives, &speed_drives, &acceleration_drives})
+    for (const auto& [coordinate, motion] : *one) all.push_back(coordinate);
+  return all;
+}
+
+std::string JointDescription::drive_force_name(int coordinate) const {
+  if (driven().size() == 1) return "drive_force";
+  return "drive_force_" + joint->coordinates()[static_cast<std::size_t>(coordinate)].name;
+}
+
 int MechanismDescription::add_joint(const std::string& joint_name, const std::string& type, int marker_F,
                                     int marker_M) {
   JointDescription joint;

@@ -61,6 +61,10 @@ struct JointDescription {
   std::map<int, std::shared_ptr<const Expression>> speed_drives,
       acceleration_drives;  ///< the same of its rates
   bool is_driven() const { return !drives.empty() || !speed_drives.empty() || !acceleration_drives.empty(); }
+  /// Coordinates that are driven, those of `drives` first.
+  std::vector<int> driven() const;
+  /// What the drive of a coordinate exerts, as results name it: "drive_force", of several "drive_force_angle".
+  std::string drive_force_name(int coordinate) const;
 };
 
 /// A formula of the motion.

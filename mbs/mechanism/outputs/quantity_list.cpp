@@ -75,15 +75,10 @@ std::vector<Quantity> list_quantities(const Topology& tree, const ConstraintRows
       add(joint.name + "." + accelerations[i].name, accelerations[i].dimension, "acceleration of the joint",
           K::acceleration, k, static_cast<int>(i));
     if (joint.joint->n_rows() > 0) add_outputs(joint.name, wrench_outputs(true, true), K::reaction, k);
-    const auto all_drives = {&joint.drives, &joint.speed_drives, &joint.acceleration_drives};
-    std::vector<int> driven;
-    for (const auto* drives : all_drives)
-      for (const auto& [index, motion] : *drives) driven.push_back(index);
-    for (const int index : driven) {
+    for (const int index : joint.driven()) {
       const bool is_angle = coordinates[index].dimension == dim::angle;
-      add(joint.name + (driven.size() > 1 ? ".drive_force_" + coordinates[index].name : ".drive_force"),
-          is_angle ? dim::torque : dim::force, "force or torque of the drive along the coordinate", K::drive,
-          k, index, true);
+      add(joint.name + "." + joint.drive_force_name(index), is_angle ? dim::torque : dim::force,
+          "force or torque of the drive along the coordinate", K::drive, k, index, true);
     }
   }
   for (std::size_t b = 1; b < tree.d.bodies.size(); ++b) {

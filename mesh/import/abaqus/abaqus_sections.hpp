@@ -15,6 +15,7 @@ class SectionPlacer {
  public:
   explicit SectionPlacer(PlacedDeck& placed) : placed_(placed) {}
 
+  /// To the elements of the set that they name, which are placed under that scope.
   void assign(const Section& section, const Part& part, int scope, const Instance* instance);
   void assign(const ElementData& data, const Part& part, int scope, const Instance* instance);
   /// Point masses that stand in one place are one; elements without a section are refused.

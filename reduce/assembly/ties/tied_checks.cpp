@@ -6,10 +6,10 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <stdexcept>
 
 #include "mesh/model/coincident.hpp"
+#include "mesh/model/disjoint_sets.hpp"
 #include "reduce/assembly/input/average.hpp"
 #include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/ties/tied_codes.hpp"
@@ -108,38 +108,32 @@ void check_interfaces(const Part& part, const TiedNumbering& numbering, bool may
 }
 
 void check_pieces(const Part& part, const TiedNumbering& numbering) {
-  std::vector<int> parent(numbering.n_nodes() + numbering.n_interfaces());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int a) {
-    while (parent[a] != a) a = parent[a] = parent[parent[a]];
-    return a;
-  };
+  mesh::DisjointSets sets(static_cast<std::size_t>(numbering.n_nodes() + numbering.n_interfaces()));
   for (const mesh::CellBlock& block : part.mesh.solids)
     for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell)
       for (Eigen::Index a = 1; a < block.nodes.cols(); ++a)
-        parent[root(block.nodes(cell, a))] = root(block.nodes(cell, 0));
+        sets.join(block.nodes(cell, a), block.nodes(cell, 0));
   for (const mesh::CellBlock& block : part.mesh.shells)
     for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell)
       for (Eigen::Index a = 1; a < block.nodes.cols(); ++a)
-        parent[root(block.nodes(cell, a))] = root(block.nodes(cell, 0));
+        sets.join(block.nodes(cell, a), block.nodes(cell, 0));
   for (const FrameElement& frame : part.frames)
-    for (const mesh::Index node : frame.nodes) parent[root(node)] = root(frame.nodes.front());
+    for (const mesh::Index node : frame.nodes) sets.join(node, frame.nodes.front());
   for (const Follower& follower : part.followers)
-    for (const auto& [node, C] : follower.from) parent[root(follower.point)] = root(node);
+    for (const auto& [node, C] : follower.from) sets.join(follower.point, node);
   for (const DependentDof& constraint : part.dependent)
-    for (const auto& [from, c] : constraint.from) parent[root(constraint.dof.node)] = root(from.node);
+    for (const auto& [from, c] : constraint.from) sets.join(constraint.dof.node, from.node);
   if (part.matrices)
-    for (const auto& [a, b] : part.matrices->pairs) parent[root(a)] = root(b);
+    for (const auto& [a, b] : part.matrices->pairs) sets.join(a, b);
   for (int k = 0; k < numbering.n_interfaces(); ++k)
     if (numbering.interfaces()[k].tie == Tie::rigid)
-      for (mesh::Index node : numbering.interfaces()[k].nodes)
-        parent[root(node)] = root(numbering.n_nodes() + k);
+      for (mesh::Index node : numbering.interfaces()[k].nodes) sets.join(node, numbering.n_nodes() + k);
   std::vector<char> is_point(numbering.n_nodes(), 0);  // beside beams and shells: no node of the user's
   for (const Follower& follower : part.followers) is_point[follower.point] = 1;
   std::map<int, std::pair<int, int>> pieces;  // root -> (number of nodes, first node)
   for (int node = 0; node < numbering.n_nodes(); ++node)
     if (numbering.code(node, 0) != kUnused && !is_point[node])
-      ++pieces.try_emplace(root(node), 0, node).first->second.first;
+      ++pieces.try_emplace(sets.of(node), 0, node).first->second.first;
   if (pieces.empty()) throw std::invalid_argument("the mesh has no cells that stiffness comes from");
   if (pieces.size() == 1) return;
   const auto smallest = std::min_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) {
@@ -153,7 +147,7 @@ void check_pieces(const Part& part, const TiedNumbering& numbering) {
   std::string apart;
   int n_apart = 0;
   for (const auto& [a, b] : mesh::coincident_nodes(part.mesh.points, std::move(used)))
-    if (root(a) != root(b) && n_apart++ == 0)
+    if (sets.of(a) != sets.of(b) && n_apart++ == 0)
       apart = fmt::format(" {} and {}", numbering.label_of(a), numbering.label_of(b));
   throw std::invalid_argument(fmt::format(
       "the mesh falls into {} pieces that nothing joins; the smallest has {} nodes, one of them node {} at "

@@ -301,12 +301,9 @@ output_step = 0.001
             0);
 }
 
-// A body without superelement: what it leaves out is told in words.
-TEST_F(Flexura, SimulateEstimatesTheErrorBesideAnAncfBeam) {
-  const auto mechanism = folder_ / "cable.toml";
-  std::ofstream(mechanism) << R"toml([body.cable]
-fidelity = "ancf"
-[body.cable.beam]
+// A soft cable of 1 m and two elements, clamped at its root; `keys` are of its beam.
+std::string clamped_cable(const std::string& fidelity, const std::string& keys = "") {
+  return "[body.cable]\nfidelity = \"" + fidelity + "\"\n[body.cable.beam]\n" + keys + R"toml(
 to = [1, 0, 0]
 elements = 2
 young = "1 MPa"
@@ -316,7 +313,13 @@ diameter = "10 mm"
 type = "fixed"
 from = "ground"
 to = "cable.root"
-[solver]
+)toml";
+}
+
+// A body without superelement: what it leaves out is told in words.
+TEST_F(Flexura, SimulateEstimatesTheErrorBesideAnAncfBeam) {
+  const auto mechanism = folder_ / "cable.toml";
+  std::ofstream(mechanism) << clamped_cable("ancf") + R"toml([solver]
 end_time = "1 ms"
 )toml";
   const Outcome outcome =
@@ -328,20 +331,7 @@ end_time = "1 ms"
 // The force at the tip of a planar beam, which is one body with its frame at the root, is drawn on the last element, which bends away.
 TEST_F(Flexura, PageOfAPlanarBeamHasItsForcesOnTheElements) {
   const auto mechanism = folder_ / "planar.toml";
-  std::ofstream(mechanism) << R"toml([body.cable]
-fidelity = "beam"
-[body.cable.beam]
-to = [1, 0, 0]
-elements = 2
-planar = true
-young = "1 MPa"
-density = 1000
-diameter = "10 mm"
-[joint.clamp]
-type = "fixed"
-from = "ground"
-to = "cable.root"
-[force.pull]
+  std::ofstream(mechanism) << clamped_cable("beam", "planar = true") + R"toml([force.pull]
 type = "force"
 marker = "cable.tip"
 y = 1e-6

@@ -3,6 +3,7 @@
 
 #include "mbs/bodies/modal_body.hpp"
 #include "tests/mbs/model/checks.hpp"
+#include "tests/mbs/model/examples.hpp"
 #include "tests/mbs/model/lattice.hpp"
 #include "tests/mbs/model/mechanism_file.hpp"
 #include "tests/mbs/solver/derivatives.hpp"
@@ -12,24 +13,11 @@
 namespace flexura::mbs {
 namespace {
 
-constexpr const char* kRail = R"toml(
-path = ["a.rail_1", "a.rail_2", "a.out", "a.rail_3", "a.rail_4"]
-[body.a.marker.rail_1]
-position = [-0.9, -0.2, 0]
-[body.a.marker.rail_2]
-position = [-0.3, 0.3, 0.1]
-rotation = [0.3, 0.2, 1]
-[body.a.marker.rail_3]
-position = [0.7, 0.4, -0.2]
-[body.a.marker.rail_4]
-position = [1.3, 0.2, -0.3]
-)toml";
-
 class PathIdentities : public MechanismFileTest {
  protected:
   /// Every second marker of the path, and the one that travels, on a node of a body that deforms.
   MechanismDescription of(const std::string& element, bool flexible) const {
-    MechanismDescription d = read(std::string(kThreeBodies) + element + kRail).description;
+    MechanismDescription d = read(kThreeBodies + element + on_rail("")).description;
     if (!flexible) return d;
     BasisOptions options;
     options.modes = 3;
