@@ -23,14 +23,10 @@ void Expression::find_conditions(SignalNames& held, const std::vector<int>& node
   for (std::size_t i = 0; i < program_.size(); ++i) {
     const int k = node_of[i];
     const int code = program_[i].code;
-    // Equality holds for an instant: there is nothing to hold it at.
-    const bool jumps = code == less || code == less_equal || code == greater || code == greater_equal ||
-                       code == signum || code == round_to_integer || code == round_down || code == round_up ||
-                       code == modulo;
     const bool bends =
         code == absolute || code == minimum || code == maximum ||
         (code == table && tree_[k].curve->kinks() > 0 && tree_[k].curve->kinks() <= kMostKinks);
-    if (k < 0 || !(jumps || bends)) continue;
+    if (k < 0 || !(jumps(code) || bends)) continue;
     if (!tree_.any(k, [](const FormulaNode& node) { return node.code == signal && node.place > 0; }))
       continue;
     program_[i].place = tree_.nodes[static_cast<std::size_t>(k)].held = held.add_hidden();

@@ -79,6 +79,24 @@ inline double value_of(const Jet& x) {
   return x.value;
 }
 
+/// Of a comparison but that of equals, a sign and what rounds: the value jumps where what it looks at passes an edge.
+inline bool jumps(int code) {
+  switch (code) {
+    case less:
+    case less_equal:
+    case greater:
+    case greater_equal:
+    case signum:
+    case round_to_integer:
+    case round_down:
+    case round_up:
+    case modulo:
+      return true;
+    default:
+      return false;
+  }
+}
+
 /// A function of one argument.
 double apply_unary(int code, double x);
 Jet apply_unary(int code, const Jet& x);

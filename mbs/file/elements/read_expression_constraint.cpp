@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "mbs/constraints/expression_constraint.hpp"
+#include "mbs/formulas/operations.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -16,6 +17,13 @@ class Arguments {
   Arguments(const input::Section& s, const ReadContext& c) : s_(s), c_(c), d_(c.description()) {}
 
   void take(const Expression& f) {
+    const auto jumps = [](const FormulaNode& node) {
+      return operations::jumps(node.code) || node.code == operations::equal ||
+             node.code == operations::not_equal;
+    };
+    if (f.tree().any(f.tree().root, jumps))
+      s_.refuse("value", "holds a comparison, a sign or a rounding, where it may jump, and no position can",
+                "write it smooth: with step(x, x_0, y_0, x_1, y_1) or a table");
     for (const int place : f.reads())
       if (std::ranges::find(known_, place) == known_.end()) take(place);
   }
@@ -96,7 +104,7 @@ ConstraintType expression_constraint() {
       "expression",
       "A formula of the motion vanishes: any surface, curve or gearing that joint coordinates or positions "
       "of markers are held to, as a cam, a wheel on a rail, a mechanism's law. It must be smooth to its "
-      "second derivatives where the motion passes.",
+      "second derivatives where the motion passes: comparisons, sign and what rounds are refused.",
       {expression("value",
                   "what is held at 0: a formula of t, parameters, joint coordinates, measures of "
                   "position, distance, axis, angle or rotation_angle, and measures that are formulas of "

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "mbs/solver/accuracy/mechanism_scales.hpp"
 #include "mbs/solver/algebra/accelerations.hpp"
@@ -158,6 +159,23 @@ void tell_points(StartedMechanism& out) {
   }
 }
 
+// What formulas read and what they move would depend on which of the redundant rows are left out.
+void require_unique_loads(const StartedMechanism& out) {
+  const Mechanism& m = *out.mechanism;
+  if (!m.algebraic_is_coupled()) return;
+  std::set<std::string> read;
+  for (int i = 0; i < m.sizes().n_alg; ++i) read.insert(m.name_of_algebraic(i));
+  const std::vector<bool> open = m.not_unique(out.state, out.state.p);
+  const std::vector<OutputInfo> infos = m.quantities();
+  for (std::size_t q = 0; q < infos.size(); ++q)
+    if (open[q] && read.contains(infos[q].name))
+      throw AssemblyError(fmt::format(
+          "formulas read \"{}\", which redundant constraints leave open: the motion would depend on "
+          "which of them is left out; let one of them give way (a bushing), or take what is too much "
+          "out (flexura check on a file without these formulas names it)",
+          infos[q].name));
+}
+
 }  // namespace
 
 // Vibration that nothing excites bounds the steps of a multistep method, not those of Radau IIA: on the
@@ -217,6 +235,7 @@ void assemble_start(StartedMechanism& out, const GivenState& given) {
   // Of the description's own positions: a run that goes on from a state has the scales of the one that was cut.
   out.options.scales = std::make_shared<Scales>(scales_of(*out.mechanism, out.mechanism->initial_state()));
   if (!out.redundant.empty()) {
+    require_unique_loads(out);
     std::vector<std::string> names;
     for (const RedundantRow& row : out.redundant) names.push_back("\"" + row.name + "\"");
     out.notes.push_back(

@@ -204,6 +204,8 @@ void FullModel::take_states(LinearisedRow& row) {
       row.C_p += C_a * row.A_p;
       row.C_v += C_a * row.A_v;
       row.C_c += C_a * row.A_c;
+    } else if (followed_roughly_.empty()) {
+      followed_roughly_ = "algebraic states that no equation holds are taken to be those of the run";
     }
   }
   // What is like the run alone, where deformations have a way into it.

@@ -12,6 +12,7 @@ namespace flexura::mbs::cases {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 class Reactions : public TextCase, public ::testing::WithParamInterface<std::string> {
  protected:
@@ -218,9 +219,44 @@ TEST_F(ReactionFiles, ThatNameNothingAreRefused) {
       ::testing::AllOf(HasSubstr("\"axle.force_w\" is nothing that a joint"), HasSubstr("did you mean")));
 }
 
+// Two hinges in one line bear a door together: how much each does is open, and so would be what its friction does.
+TEST_F(ReactionFiles, ThatRedundantHingesShareMoveNothing) {
+  const std::string door = R"toml(
+[body.door]
+mass = 20
+center = [0.4, 0, 0]
+inertia = [1, 1, 1]
+[body.door.marker.low]
+position = [0, 0, -0.8]
+[ground.marker.low]
+position = [0, 0, -0.8]
+[joint.high]
+type = "revolute"
+from = "ground"
+to = "door"
+speed = 2
+[measure.load]
+type = "reaction"
+quantity = "high.force"
+[force.friction]
+type = "joint_force"
+joint = "high"
+value = "-0.003*load*high.speed"
+)toml";
+  const std::string second = "[joint.low]\ntype = \"revolute\"\nfrom = \"ground.low\"\nto = \"door.low\"\n";
+  EXPECT_NO_THROW(prepared(door));
+  EXPECT_THAT([&] { prepared(door + second); },
+              ThrowsMessage<std::runtime_error>(
+                  HasSubstr("formulas read \"load\", which redundant constraints leave open")));
+}
+
 TEST_F(ReactionFiles, AConstraintReadsPositionsOnly) {
   EXPECT_THAT(refusal(wheel + "[constraint.c]\ntype = \"expression\"\nvalue = \"axle.speed - 2\"\n"),
               HasSubstr("reads \"axle.speed\", a speed; let it read t, parameters, joint coordinates"));
+  for (const std::string jump : {"axle.angle > 1 ? 0.1 : 0", "sign(axle.angle)", "0.1*floor(t)"})
+    EXPECT_THAT(
+        refusal(wheel + "[constraint.c]\ntype = \"expression\"\nvalue = \"axle.angle - (" + jump + ")\"\n"),
+        HasSubstr("holds a comparison, a sign or a rounding"));
   EXPECT_THAT(refusal(wheel + "[constraint.c]\ntype = \"expression\"\nvalue = \"t - 2\"\n"),
               HasSubstr("reads no coordinate"));
   EXPECT_THAT(refusal(wheel + "[control.f]\ntype = \"filter\"\ninput = \"t\"\ntime_constant = 1\n"
