@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "mbs/base/threads/pool.hpp"
@@ -277,6 +278,23 @@ TEST(Dense, TallProductsOfAnyShapeAreThoseOfTheirEntries) {
         add_product(-0.5, A, S, C);
         EXPECT_LT((C - (B - 0.5 * A * S)).cwiseAbs().maxCoeff(), 2e-16 * (cols + 2));
       }
+}
+
+// Numbers that are none are told, not taken for a lack of convergence.
+TEST(Dense, AnEigenproblemThatHoldsNaNSaysSo) {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(40, 40);
+  A(7, 7) = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& solve : {+[](const Eigen::MatrixXd& X) { symmetric_eigen(X); },
+                            +[](const Eigen::MatrixXd& X) {
+                              generalized_eigen(X, Eigen::MatrixXd::Identity(X.rows(), X.cols()));
+                            }})
+    try {
+      solve(A);
+      FAIL() << "took it";
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(),
+                  ::testing::HasSubstr("a small eigenproblem of 40 rows holds NaN or infinity"));
+    }
 }
 
 class Eigensolvers : public ::testing::TestWithParam<bool> {

@@ -1,6 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/linalg/dense/dense.hpp"
 
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <stdexcept>
 #include <string>
@@ -110,6 +113,12 @@ FLEXURA_INLINE void product_share(const Ref& A, const double* B, Eigen::Ref<Eige
   }
 }
 
+// LAPACK may return NaN as if it had converged.
+void require_finite(const Eigen::MatrixXd& A) {
+  if (!A.allFinite())
+    throw std::runtime_error(fmt::format("a small eigenproblem of {} rows holds NaN or infinity", A.rows()));
+}
+
 }  // namespace
 
 Eigen::MatrixXd transpose_times(const Eigen::Ref<const Eigen::MatrixXd>& A,
@@ -164,6 +173,7 @@ Eigen::MatrixXd times(const Eigen::Ref<const Eigen::MatrixXd>& A,
 }
 
 DenseEigen symmetric_eigen(const Eigen::MatrixXd& A) {
+  require_finite(A);
   DenseEigen result{Eigen::VectorXd(A.rows()), A};
   const int n = static_cast<int>(A.rows()), query = -1;
   if (n == 0) return result;
@@ -177,12 +187,17 @@ DenseEigen symmetric_eigen(const Eigen::MatrixXd& A) {
   const int lwork = static_cast<int>(work.size()), liwork = n_iwork;
   dsyevd_("V", "L", &n, result.vectors.data(), &n, result.values.data(), work.data(), &lwork, iwork.data(),
           &liwork, &info);
-  if (info != 0)
-    throw std::runtime_error("a small symmetric eigenproblem did not converge: its matrix holds NaN?");
-  return result;
+  if (info == 0) return result;
+  // Divide and conquer may fail where plain QR does not.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> plain(A);
+  if (plain.info() != Eigen::Success)
+    throw std::runtime_error(fmt::format("a small symmetric eigenproblem of {} rows did not converge", n));
+  return {plain.eigenvalues(), plain.eigenvectors()};
 }
 
 DenseEigen generalized_eigen(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
+  require_finite(A);
+  require_finite(B);
   DenseEigen result{Eigen::VectorXd(A.rows()), A};
   Eigen::MatrixXd b = B;
   const int n = static_cast<int>(A.rows()), query = -1, type = 1;
@@ -201,7 +216,7 @@ DenseEigen generalized_eigen(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B)
     throw std::runtime_error("the mass matrix of a small eigenproblem is not positive definite (row " +
                              std::to_string(info - n) + ")");
   if (info != 0)
-    throw std::runtime_error("a small generalized eigenproblem did not converge: its matrices hold NaN?");
+    throw std::runtime_error(fmt::format("a small generalized eigenproblem of {} rows did not converge", n));
   return result;
 }
 
