@@ -108,6 +108,7 @@ class Laboratory {
           say("runs", static_cast<double>(++done) / static_cast<double>(unique.size()));
         },
         options_.jobs);
+    require_some_that_run(tasks, mine);
     if (!study_.compares_designs()) repeat_runs(tasks, unique);
 
     Measurements out;
@@ -130,6 +131,20 @@ class Laboratory {
   void say(std::string_view stage, double fraction) {
     const std::lock_guard lock(guard_);
     if (options_.progress) options_.progress(stage, fraction);
+  }
+
+  // A rung that refuses to run (the stress of a rigid body is asked for) is a failed one.  Where all choices do, or the
+  // reference or a check, the study asks for what cannot be.
+  void require_some_that_run(const std::vector<Task>& tasks, const std::vector<std::size_t>& mine) const {
+    if (refused_.empty()) return;
+    const auto first = std::ranges::find_if(
+        mine, [&](std::size_t i) { return i >= study_.choices.size() && refused_.contains(tasks[i].key); });
+    const bool all =
+        std::ranges::all_of(mine, [&](std::size_t i) { return refused_.contains(tasks[i].key); });
+    if (!all && (study_.compares_designs() || first == mine.end())) return;
+    const Task& task = tasks[all ? mine.front() : *first];
+    throw input::InputError(
+        fmt::format("{}: choice \"{}\": {}", study_.file.string(), task.name, refused_.at(task.key)));
   }
 
   // Before anything runs: does the mechanism have the run and the bodies that the study names?
@@ -265,9 +280,11 @@ class Laboratory {
     if (!options_.fresh && store_->is_there(task.key, ".h5")) return;
     const StudyCache::Passing beside{store_->path(task.key, ("." + scratch_mark() + "first").c_str())};
     const ChildOutcome outcome = simulate(task, beside.path, !study_.compares_designs());
-    if (outcome.exit_code == 2)
-      throw input::InputError(
-          fmt::format("{}: choice \"{}\": {}", study_.file.string(), task.name, refusal(outcome)));
+    if (outcome.exit_code == 2) {
+      const std::lock_guard lock(guard_);
+      refused_[task.key] = refusal(outcome);
+      return;
+    }
     CacheEntry entry;
     entry.choice = task.name;
     entry.exit_code = outcome.exit_code;
@@ -288,7 +305,7 @@ class Laboratory {
   void repeat_runs(const std::vector<Task>& tasks, const std::vector<std::size_t>& unique) {
     std::vector<std::size_t> timed;
     for (const std::size_t i : unique)
-      if (i < study_.choices.size() || study_.choices.size() == 0) timed.push_back(i);
+      if (i < study_.choices.size() && !refused_.contains(tasks[i].key)) timed.push_back(i);
     std::size_t done = 0;
     for (int round = 1; round <= study_.repeats; ++round)
       for (const std::size_t i : timed) {
@@ -307,9 +324,13 @@ class Laboratory {
   }
 
   Measurement measurement(const Task& task) const {
-    const CacheEntry entry = store_->entry_of(task.key);
     Measurement m;
     m.results = store_->path(task.key, ".h5");
+    if (const auto found = refused_.find(task.key); found != refused_.end()) {
+      m.failure = found->second;
+      return m;
+    }
+    const CacheEntry entry = store_->entry_of(task.key);
     m.reduce_wall = task.reduce_wall;
     m.wall = entry.wall;
     m.cpu = entry.cpu;
@@ -337,6 +358,7 @@ class Laboratory {
   fs::path cache_;
   std::optional<StudyCache> store_;
   std::string flexura_, reduce_, machine_;
+  std::map<std::string, std::string> refused_;  // why, by the task's key; not kept in the cache
   std::mutex guard_;
 };
 

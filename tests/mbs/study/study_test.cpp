@@ -305,6 +305,36 @@ TEST_F(StudyCommand, WhatIsDamagedInTheCacheIsMadeAgain) {
   EXPECT_THAT(study().err, Not(HasSubstr("note: ")));
 }
 
+// As where the stress of a body is asked for that one rung has rigid.
+TEST_F(StudyCommand, GoesOnWhereARungRefusesToRun) {
+  const std::string rungs = R"toml(
+[axis.spring.choice.loose]
+set = ["force.spring.joint=none"]
+[axis.spring.choice.there]
+set = []
+[quantity.position])toml";
+  folder_.write("study.toml", replaced(kStudy, "[quantity.position]", rungs));
+  const Outcome outcome = study();
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("note: tolerance 1e-3, loose: "));
+  const auto choices = json().at("choices");
+  ASSERT_EQ(choices.size(), 6u);
+  for (std::size_t k = 0; k < 6; ++k) {
+    const bool refuses = k % 2 == 0;
+    EXPECT_EQ(choices[k].at("complete"), !refuses) << choices[k];
+    if (refuses)
+      EXPECT_THAT(choices[k].at("failure").get<std::string>(), HasSubstr("there is no joint \"none\""));
+  }
+  // Where it is the reference there is nothing to measure against.
+  folder_.write("study.toml",
+                replaced(kStudy, "[want]",
+                         "[reference]\nset = [\"force.spring.joint=none\"]\n"
+                         "[reference.check.tolerance]\nset = [\"solver.tolerance=1e-8\"]\n[want]"));
+  const Outcome refused = study();
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("choice \"reference\": "));
+}
+
 TEST_F(StudyCommand, RefusesBeforeAnythingRuns) {
   const auto refused = [&](const std::string& text, const std::vector<std::string>& more = {}) {
     folder_.write("study.toml", text);
