@@ -273,7 +273,7 @@ class Laboratory {
     else
       command.push_back("--no-estimate");
     command.insert(command.end(), {"-o", output.string()});
-    return run_child(command, cache_, study_.time_limit);
+    return run_child(command, cache_, {study_.time_limit, study_.cpu_is_cost});
   }
 
   void first_run(const Task& task) {

@@ -344,7 +344,9 @@ in::TableSchema study_schema() {
                  "time that the front and the answers count: wall time, or on a busy machine the processor's")
           .or_default("wall"),
       in::integer("repeats", "runs of each choice; the median time counts").or_default("3").at_least(1),
-      in::quantity("time_limit", in::dim::time, "a run that takes longer is ended and counts as failed")
+      in::quantity("time_limit", in::dim::time,
+                   "a run that takes longer is ended and counts as failed; where cost is \"cpu\" it is "
+                   "processor time, and ten times as much by the clock")
           .or_default("600 s")
           .above(0.0),
       in::text("cache", "folder of finished runs and reductions, relative to the study file")

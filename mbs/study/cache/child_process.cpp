@@ -17,8 +17,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <fstream>
-#include <limits>
 #include <sstream>
 #include <stdexcept>
 
@@ -43,15 +43,24 @@ std::string take_text(const fs::path& file) {
 
 enum class Waited { ended, late, told_to_end };
 
+/// [s] that count against a limit: by the clock, or processor time of a child and at least a tenth of that by the clock.
+double time_used(pid_t child, double wall, bool of_processor) {
+  if (!of_processor) return wall;
+  clockid_t clock{};
+  timespec used{};
+  if (::clock_getcpuclockid(child, &clock) != 0 || ::clock_gettime(clock, &used) != 0) return wall;
+  return std::max(static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec), 0.1 * wall);
+}
+
 /// Until it ends, its time is over or (where `heeds`) this process is told to end.  `meanwhile` may be empty.
-Waited wait_until(pid_t child, double limit, bool heeds, const std::function<void()>& meanwhile = {}) {
+Waited wait_until(pid_t child, TimeLimit limit, bool heeds, const std::function<void()>& meanwhile = {}) {
   const int handle = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
   if (handle < 0) return Waited::ended;  // an old kernel: the caller's wait4 waits without a limit
   const auto start = std::chrono::steady_clock::now();
   Waited outcome = Waited::late;
   while (true) {
-    const double left =
-        limit - std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double left = limit.seconds - time_used(child, wall, limit.of_processor);
     if (left <= 0.0) break;
     if (heeds && files::StopRequests::wanted()) {
       outcome = Waited::told_to_end;
@@ -73,7 +82,7 @@ Waited wait_until(pid_t child, double limit, bool heeds, const std::function<voi
 
 void end(pid_t child) {
   ::kill(child, SIGTERM);  // it takes its unfinished files away
-  if (wait_until(child, 5.0, false) == Waited::late) ::kill(child, SIGKILL);
+  if (wait_until(child, {5.0}, false) == Waited::late) ::kill(child, SIGKILL);
 }
 
 std::string host() {
@@ -150,7 +159,7 @@ void remove_scratch_left(const fs::path& scratch) {
   for (const fs::path& file : left) fs::remove(file, none);
 }
 
-ChildOutcome run_child(const std::vector<std::string>& command, const fs::path& scratch, double time_limit,
+ChildOutcome run_child(const std::vector<std::string>& command, const fs::path& scratch, TimeLimit limit,
                        const std::function<void(const fs::path& err)>& watch) {
   static std::atomic<unsigned> counter{0};
   const std::string stem = "child." + scratch_mark() + std::to_string(counter++);
@@ -167,9 +176,8 @@ ChildOutcome run_child(const std::vector<std::string>& command, const fs::path& 
   if (failed != 0) throw std::runtime_error(words.front() + ": cannot be started: " + std::strerror(failed));
 
   ChildOutcome outcome;
-  const Waited waited =
-      wait_until(child, time_limit > 0.0 ? time_limit : std::numeric_limits<double>::infinity(), true,
-                 watch ? std::function<void()>([&] { watch(err); }) : std::function<void()>());
+  const Waited waited = wait_until(
+      child, limit, true, watch ? std::function<void()>([&] { watch(err); }) : std::function<void()>());
   outcome.timed_out = waited == Waited::late;
   if (waited != Waited::ended) end(child);
   int status = 0;

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -19,6 +20,11 @@ struct ChildOutcome {
   std::string out, err;      ///< what it printed
 };
 
+struct TimeLimit {
+  double seconds = std::numeric_limits<double>::infinity();
+  bool of_processor = false;  ///< it is processor time; by the clock it is ten times as much then
+};
+
 /// This process has been told to end; the child has ended.
 class Interrupted : public std::runtime_error {
  public:
@@ -30,12 +36,12 @@ std::string scratch_mark();
 /// Removes what processes of this machine that are no more have left under their marks in `scratch`.
 void remove_scratch_left(const std::filesystem::path& scratch);
 
-/// Runs command[0] with the other words, without a shell; `scratch` is a folder for what it prints.  After
-/// time_limit seconds (0: none) it is ended; so it is when this process ends, however, or is told to
+/// Runs command[0] with the other words, without a shell; `scratch` is a folder for what it prints.  Beyond
+/// the limit it is ended; so it is when this process ends, however, or is told to
 /// (files::StopRequests).  `watch` is called about ten times a second with the file that takes what it prints as errors.
 /// Throws std::runtime_error when it cannot be started, and Interrupted.
 ChildOutcome run_child(const std::vector<std::string>& command, const std::filesystem::path& scratch,
-                       double time_limit = 0.0,
+                       TimeLimit limit = {},
                        const std::function<void(const std::filesystem::path& err)>& watch = {});
 
 }  // namespace flexura::study

@@ -54,7 +54,7 @@ std::vector<std::string> reduce_into(const StudyCache& cache, const fs::path& fo
   command.insert(command.end(), {"-o", beside.path.string()});
   std::function<void(const fs::path&)> watch;
   if (progress) watch = [&](const fs::path& err) { progress(last_line_of(err)); };
-  const ChildOutcome outcome = run_child(command, folder, 0.0, watch);
+  const ChildOutcome outcome = run_child(command, folder, {}, watch);
   if (outcome.exit_code != 0) {
     std::string why = refusal(outcome);
     if (why.empty()) why = fmt::format("flexura-reduce ended with code {}", outcome.exit_code);

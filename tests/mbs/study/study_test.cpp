@@ -153,9 +153,15 @@ TEST(Child, IsMeasuredAndEndedAtItsTimeLimit) {
   EXPECT_GE(done.wall, 0.2);  // sleeping takes wall time
   EXPECT_LT(done.cpu, 0.15);  // and no processor
   EXPECT_GT(done.peak_memory, 1e5);
-  const ChildOutcome late = run_child({"/bin/sleep", "60"}, folder.path(), 0.1);
+  const ChildOutcome late = run_child({"/bin/sleep", "60"}, folder.path(), {0.1});
   EXPECT_TRUE(late.timed_out);
   EXPECT_LT(late.wall, 30.0);
+  // Of processor time sleep takes none; by the clock it is ten times as much.
+  EXPECT_FALSE(run_child({"/bin/sleep", "0.4"}, folder.path(), {0.2, true}).timed_out);
+  EXPECT_TRUE(run_child({"/bin/sleep", "60"}, folder.path(), {0.02, true}).timed_out);
+  const ChildOutcome busy = run_child({"/bin/sh", "-c", "while :; do :; done"}, folder.path(), {0.3, true});
+  EXPECT_TRUE(busy.timed_out);
+  EXPECT_GT(busy.cpu, 0.25);
   EXPECT_THROW(run_child({"/no/such/program"}, folder.path()), std::runtime_error);
 }
 
