@@ -153,9 +153,14 @@ void ElementsCheck::judge(bool few, const mbs::RunCallbacks& callbacks, Elements
     leave_unknown("its runs have no row in common");
     return;
   }
-  for (std::size_t i = 0; i < outputs_.size(); ++i)
-    outputs_[i].size_rms = std::sqrt(near.sizes(static_cast<Index>(i)) / static_cast<double>(near.rows));
-  families_.judge(outputs_, !run_.file.outputs.empty(), run_.options.tolerance);
+  const auto rms = [&](const VectorXd& squares, std::size_t i) {
+    return std::sqrt(squares(static_cast<Index>(i)) / static_cast<double>(near.rows));
+  };
+  for (std::size_t i = 0; i < outputs_.size(); ++i) {
+    outputs_[i].rms = rms(near.squares, i);
+    outputs_[i].size_rms = rms(near.sizes, i);
+  }
+  families_.judge(outputs_, !run_.file.outputs.empty(), run_.options.tolerance, Families::Of::run);
   const auto relative = [&](const OutputRows::Difference& d, std::size_t i) {
     return std::sqrt(d.squares(static_cast<Index>(i)) / static_cast<double>(d.rows)) / outputs_[i].scale;
   };

@@ -152,9 +152,11 @@ IntegratorEstimate GlobalError::estimate() {
     return out;
   }
   const auto count = static_cast<double>(compared_);
-  for (std::size_t i = 0; i < outputs_.size(); ++i)
+  for (std::size_t i = 0; i < outputs_.size(); ++i) {
+    outputs_[i].rms = std::sqrt(squares_(static_cast<Eigen::Index>(i)) / count);
     outputs_[i].size_rms = std::sqrt(sizes_(static_cast<Eigen::Index>(i)) / count);
-  families_.judge(outputs_, !run_.file.outputs.empty(), run_.options.tolerance);
+  }
+  families_.judge(outputs_, !run_.file.outputs.empty(), run_.options.tolerance, Families::Of::run);
   const auto [error, worst] = worst_output(squares_, count, outputs_);
   if (worst >= 0) out.output = outputs_[static_cast<std::size_t>(worst)].name;
   out.note = why_unknown(error);

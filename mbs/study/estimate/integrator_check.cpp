@@ -73,11 +73,14 @@ IntegratorEstimate IntegratorCheck::estimate(const mbs::RunCallbacks& callbacks)
         by_step ? "fixed_step" : "tolerance", by_step ? options.fixed_step : options.tolerance,
         again.stopped_because.empty() ? "it has no row in common with the first" : again.stopped_because));
   const auto count = static_cast<double>(off.rows);
-  for (std::size_t i = 0; i < outputs_.size(); ++i)
+  const double times = std::abs(std::pow(factor_, power_) - 1.0);  // the difference over the error
+  for (std::size_t i = 0; i < outputs_.size(); ++i) {
+    outputs_[i].rms = std::sqrt(off.squares(static_cast<Eigen::Index>(i)) / count) / times;
     outputs_[i].size_rms = std::sqrt(off.sizes(static_cast<Eigen::Index>(i)) / count);
-  families_.judge(outputs_, !run_.file.outputs.empty(), run_.options.tolerance);
+  }
+  families_.judge(outputs_, !run_.file.outputs.empty(), run_.options.tolerance, Families::Of::run);
   const auto [error, worst] = worst_output(off.squares, count, outputs_);
-  out.error = error / std::abs(std::pow(factor_, power_) - 1.0);
+  out.error = error / times;
   if (worst >= 0) out.output = outputs_[static_cast<std::size_t>(worst)].name;
   return out;
 }

@@ -19,7 +19,14 @@ constexpr double kMostRows = 800.0;
 // What nobody asked for by name has to be larger than this part of the largest of its unit to matter.
 constexpr double kNothingUnasked = 1e-3;
 // Below these parts of its family an output is zero or noise (see the header).
-constexpr double kOfOwner = 1e-3, kOfForces = 1e-3, kOfRest = 1e-6, kOfTolerance = 10.0;
+constexpr double kOfOwner = 1e-3, kOfForces = 1e-3, kOfRest = 1e-6;
+// Of the tolerance: a coordinate that is zero is followed to a hundredth of what others move (absolute_factor).
+constexpr double kOfTolerance = 0.1;
+// An error of a run below this part of its output: the output is known, however small it is.
+constexpr double kKnown = 0.01;
+// Of a linear correction, beside a whole mechanism: round-off of its equations, which are as stiff as 1e7 to 1; and what
+// the run's own noise, of which the correction takes a part, is beside its tolerance.
+constexpr double kOfCorrection = 1e-9, kOfNoise = 1e-3;
 // Nothing at all: round-off of sums of what the mechanism's forces, lengths and speeds make.
 constexpr double kRoundOff = 1e-12;
 
@@ -131,7 +138,7 @@ void Families::take(const mbs::State& s, const Eigen::VectorXd& v_dot) {
   ++rows_;
 }
 
-void Families::judge(std::vector<OutputEstimate>& outputs, bool asked, double tolerance) const {
+void Families::judge(std::vector<OutputEstimate>& outputs, bool asked, double tolerance, Of of) const {
   OfDimension of_all, largest;
   std::map<std::string, OfDimension> of_owner;
   const double n = std::max(1.0, static_cast<double>(rows_));
@@ -167,16 +174,22 @@ void Families::judge(std::vector<OutputEstimate>& outputs, bool asked, double to
   natural[dim::force] = force;
   natural[dim::torque] = force * length;  // and energies
   natural[dim::power] = force * speed;
+  const bool corrected = of == Of::deformation;
   for (OutputEstimate& o : outputs) {
     o.scale = o.size_rms;
     if (const auto own = of_owner.find(owner_of(o.name)); own != of_owner.end())
       if (const double size = own->second.of(o.dimension); o.scale < kOfOwner * size) o.scale = size;
-    const double noise = is_force(o.dimension) ? kOfForces : std::max(kOfRest, kOfTolerance * tolerance);
+    const bool is_known = !corrected && o.rms < kKnown * o.size_rms;
+    const double correction = std::max(kOfCorrection, kOfNoise * tolerance),
+                 run = is_force(o.dimension) ? kOfForces : std::max(kOfRest, kOfTolerance * tolerance),
+                 noise = corrected  ? correction
+                         : is_known ? kRoundOff
+                                    : run;
     if (const double all = of_all.of(o.dimension); o.scale < noise * all) o.scale = all;
     // Where a whole family is zero (cranks at constant speed have no angular accelerations) it is noise of the state's
     // errors times what the others make of it: nothing of a force, an acceleration or a power is known to less.
     const bool follows = is_force(o.dimension) || o.dimension == dim::power;
-    const double unknown = std::max(kRoundOff, follows ? tolerance : 0.0);
+    const double unknown = std::max(kRoundOff, !follows ? 0.0 : corrected ? kOfNoise * tolerance : tolerance);
     if (const double made = natural.of(o.dimension); o.scale < unknown * made) o.scale = made;
     o.counts = asked || o.size_rms > kNothingUnasked * largest[o.dimension];
   }

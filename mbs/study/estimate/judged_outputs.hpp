@@ -15,9 +15,14 @@
 /// An error is relative to the rms of its output.  Where that is zero or noise the error is judged against the
 /// output's family: what the same joint or body has of the same unit (the greatest force in that joint), what
 /// the whole mechanism has of it (a coordinate: the largest motion), and where that is nothing either, what its
-/// forces, lengths and speeds make of it.  Forces and accelerations are noise below 1e-3 of their family, which
-/// is what reactions are good for at usual tolerances; of one joint or body everything is; other quantities
-/// from 1e-6 on, or ten times the integrator's tolerance, count by themselves.  Where a whole family of forces,
+/// forces, lengths and speeds make of it.
+///
+/// What noise is depends on where an error comes from.  A run knows the forces and accelerations of one joint or
+/// body to 1e-3 of the greatest, which is what reactions are good for at usual tolerances, and so those of the
+/// whole mechanism; other quantities to 1e-6, or a tenth of the integrator's tolerance.  What is smaller is noise,
+/// unless its error is well below itself: a bar that bends by a millimetre on a carriage that travels sixty metres
+/// is no noise.  What left out deformations change is a solution of linear equations, and hardly noisy: of it the
+/// least part of a mechanism counts by itself, however large the others are.  Where a whole family of forces,
 /// accelerations or powers is below the tolerance beside what the others make of it, all of it is noise.
 namespace flexura::study {
 
@@ -58,8 +63,11 @@ class Families {
 
   void take(const mbs::State& s, const Eigen::VectorXd& v_dot);
 
-  /// Sets `scale` and `counts` of the outputs from their size_rms; `asked`: the user named them.
-  void judge(std::vector<OutputEstimate>& outputs, bool asked, double tolerance) const;
+  /// Where errors come from: deformations that are left out, by a linear correction; or the steps of a run and its elements.
+  enum class Of { deformation, run };
+  /// Sets `scale` and `counts` of the outputs from their size_rms, of a run also from the rms of their errors; `asked`: the
+  /// user named them.
+  void judge(std::vector<OutputEstimate>& outputs, bool asked, double tolerance, Of of) const;
 
  private:
   const mbs::Mechanism& mechanism_;
