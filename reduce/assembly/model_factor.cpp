@@ -52,15 +52,9 @@ struct Shared : ModelFactor::Impl {
   std::unique_ptr<DistributedFactor> L;
   std::vector<int> no_order;
 
-  Shared(const TiedModel& model, double shift, const std::vector<std::pair<int, double>>& diagonal = {}) {
-    const linalg::Team& team = *model.share()->team;
-    const linalg::RowShares& rows = model.share()->rows;
-    if (shift == 0.0)
-      L = std::make_unique<DistributedFactor>(team, model.K_ii().csr(), rows, diagonal);
-    else
-      L = std::make_unique<DistributedFactor>(team, model.matrices().shifted_stiffness(shift).csr(), rows,
-                                              diagonal);
-  }
+  Shared(const TiedModel& model, DistributedFactor::Terms terms, DistributedFactor::Use use)
+      : L(std::make_unique<DistributedFactor>(*model.share()->team, std::move(terms), model.share()->rows,
+                                              use)) {}
   MatrixXd solve(const Ref<const MatrixXd>& B) const override { return L->solve(B); }
   void view(_p_PetscViewer* viewer) const override { L->view(viewer); }
   int n_negative() const override { return L->n_negative(); }
@@ -78,7 +72,9 @@ ModelFactor ModelFactor::stiffness(const TiedModel& model, const Eigen::VectorXd
   std::vector<std::pair<int, double>> diagonal;
   for (std::size_t p = 0; model.leads() && p < model.pins().size(); ++p)
     diagonal.emplace_back(model.share()->pins[p], springs(static_cast<Eigen::Index>(p)));
-  auto shared = std::make_unique<Shared>(model, 0.0, diagonal);
+  auto shared = std::make_unique<Shared>(
+      model, DistributedFactor::Terms{.matrix = model.K_ii().csr(), .diagonal = std::move(diagonal)},
+      DistributedFactor::Use::solve);
   if (shared->L->n_negative() + shared->L->n_zero() > 0) {
     shared.reset();  // all ranks are here
     throw linalg::SingularMatrix(-1, "the matrix is not positive definite to round-off");
@@ -91,7 +87,14 @@ ModelFactor ModelFactor::shifted(const TiedModel& model, double shift, std::vect
   if (!model.share())
     return ModelFactor(std::make_unique<Indefinite>(
         linalg::IndefiniteFactor(model.matrices().shifted_stiffness(shift), std::move(order), storage)));
-  auto shared = std::make_unique<Shared>(model, shift);
+  DistributedFactor::Terms terms;
+  {
+    const linalg::SymmetricMatrix K = model.matrices().shifted_stiffness(shift);
+    terms = {.matrix = K.csr(), .held_by = K.share()};
+  }
+  auto shared = std::make_unique<Shared>(
+      model, std::move(terms),
+      storage.to_count ? DistributedFactor::Use::count : DistributedFactor::Use::solve);
   if (shared->L->n_zero() > 0) {
     shared.reset();
     throw std::runtime_error(

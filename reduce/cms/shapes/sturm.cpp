@@ -19,7 +19,9 @@ double gap_above(double omega2_last, double omega2_next) {
 
 int count_modes_below(const TiedModel& model, double omega2, std::vector<int> order,
                       const linalg::FactorStorage& storage) {
-  return ShiftedSolver(model, omega2, std::move(order), storage).n_below();
+  linalg::FactorStorage counting = storage;
+  counting.to_count = model.A().rows() == 0;  // averages are eliminated by solves
+  return ShiftedSolver(model, omega2, std::move(order), counting).n_below();
 }
 
 void certify(const TiedModel& model, const std::vector<int>& order, double omega2_last, double omega2_next,

@@ -40,11 +40,22 @@ Eigen::MatrixXd EigenProblem::inner(const Eigen::Ref<const Eigen::MatrixXd>& A,
 }
 
 void orthonormalise(const EigenProblem& problem, Eigen::MatrixXd& Phi) {
-  Eigen::MatrixXd M_Phi;
-  problem.multiply_M(Phi, M_Phi);
-  const Eigen::LLT<Eigen::MatrixXd> gram(problem.inner(Phi, M_Phi));
-  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(Phi.cols(), Phi.cols());
-  Phi = times(Phi, Eigen::MatrixXd(gram.matrixU().solve(identity)));
+  // Some columns, then some rows at a time: Phi may be most of the memory, and is not to be there three times.
+  constexpr Eigen::Index kHeight = 16384;
+  const Eigen::Index count = Phi.cols(), most = std::max<Eigen::Index>(16, count / 8);
+  Eigen::MatrixXd gram(count, count), M_phi;
+  for (Eigen::Index first = 0; first < count; first += most) {
+    const Eigen::Index width = std::min(most, count - first);
+    problem.multiply_M(Phi.middleCols(first, width), M_phi);
+    gram.middleCols(first, width) = transpose_times(Phi, M_phi);
+  }
+  if (problem.sum) problem.sum(gram.data(), gram.size());
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(count, count);
+  const Eigen::MatrixXd inverse_root = Eigen::LLT<Eigen::MatrixXd>(gram).matrixU().solve(identity);
+  for (Eigen::Index first = 0; first < Phi.rows(); first += kHeight) {
+    const Eigen::Index height = std::min(kHeight, Phi.rows() - first);
+    Phi.middleRows(first, height) = times(Phi.middleRows(first, height), inverse_root);
+  }
 }
 
 void polish(const EigenProblem& problem, EigenPairs& pairs) {

@@ -11,12 +11,14 @@
 
 #include "reduce/linalg/dense/blas_threads.hpp"
 #include "reduce/linalg/dense/progress.hpp"
+#include "reduce/linalg/factor/mumps_workspace.hpp"
 #include "reduce/linalg/petsc/petsc_check.hpp"
 
 namespace flexura::linalg {
 namespace {
 
-constexpr int kColumns = 32;  // of right-hand sides together
+// Right-hand sides together: as many as the eigensolver brings.  MUMPS, PETSc and their caller have a copy of them each.
+constexpr int kColumns = 16;
 
 // To destroy it takes all ranks: on the way of an exception, which may be this rank's alone, it is left.
 struct Matrix {
@@ -32,20 +34,21 @@ struct Matrix {
 struct DistributedFactor::Impl {
   const Team& team;
   const RowShares& rows;
+  MumpsWorkspace workspace;  // of L, which it outlives
   Matrix L;
   int n_negative = 0, n_zero = 0;
   FactorFigures figures;
 
   int n_own() const { return rows.n_own(team); }
-  void assemble(const UpperCsr& part, const std::vector<std::pair<int, double>>& diagonal, Mat& A) const;
-  void factorise(Mat A);
-  int factorise(Mat A, PetscInt beyond_estimate);
+  void assemble(const Terms& terms, Mat& A) const;
+  void factorise(Mat A, Use use);
+  int factorise(Mat A, Use use, PetscInt beyond_estimate);
 };
 
 // Each rank says which entries it has; PETSc sends each to its row's owner.  The upper triangle by the ranks' numbers is
 // all that PETSc hands to MUMPS of a symmetric matrix, and half the memory.
-void DistributedFactor::Impl::assemble(const UpperCsr& part,
-                                       const std::vector<std::pair<int, double>>& diagonal, Mat& A) const {
+void DistributedFactor::Impl::assemble(const Terms& terms, Mat& A) const {
+  const auto& [part, held_by, diagonal] = terms;
   std::vector<PetscInt> i, j;
   std::vector<PetscScalar> values;
   for (std::vector<PetscInt>* numbers : {&i, &j}) numbers->reserve(part.values.size() + diagonal.size());
@@ -61,20 +64,25 @@ void DistributedFactor::Impl::assemble(const UpperCsr& part,
       add(rows.number[r], rows.number[part.columns[k]], part.values[k]);
   for (const auto& [row, value] : diagonal) add(row, row, value);
   const auto ok = [](PetscErrorCode code) { petsc_check(code, "assembling a matrix over all processes"); };
-  ok(MatCreate(PETSC_COMM_WORLD, &A));
-  ok(MatSetSizes(A, n_own(), n_own(), rows.n(), rows.n()));
-  ok(MatSetType(A, MATAIJ));
-  ok(MatSetPreallocationCOO(A, static_cast<PetscCount>(i.size()), i.data(), j.data()));
-  ok(MatSetValuesCOO(A, values.data(), INSERT_VALUES));
-  ok(MatSetOption(A, MAT_SYMMETRIC, PETSC_TRUE));
+  Matrix sum;
+  ok(MatCreate(PETSC_COMM_WORLD, &sum.mat));
+  ok(MatSetSizes(sum.mat, n_own(), n_own(), rows.n(), rows.n()));
+  ok(MatSetType(sum.mat, MATAIJ));
+  ok(MatSetPreallocationCOO(sum.mat, static_cast<PetscCount>(i.size()), i.data(), j.data()));
+  ok(MatSetValuesCOO(sum.mat, values.data(), INSERT_VALUES));
+  ok(MatSetOption(sum.mat, MAT_SYMMETRIC, PETSC_TRUE));
+  // A copy does not know where each entry has come from, which takes more than the entries themselves.
+  for (std::vector<PetscInt>* numbers : {&i, &j}) std::vector<PetscInt>().swap(*numbers);
+  std::vector<PetscScalar>().swap(values);
+  ok(MatDuplicate(sum.mat, MAT_COPY_VALUES, &A));
 }
 
 // MUMPS lets its workspace stand as large as it was made: what is beyond its estimate is given in small steps, from its own
 // default on.
-void DistributedFactor::Impl::factorise(Mat A) {
+void DistributedFactor::Impl::factorise(Mat A, Use use) {
   constexpr PetscInt kBeyondEstimate[] = {20, 60, 150};  // per cent
   for (const PetscInt beyond : kBeyondEstimate) {
-    const int status = factorise(A, beyond);
+    const int status = factorise(A, use, beyond);
     if (status >= 0) return;
     const bool too_small = status == -8 || status == -9 || status == -11 || status == -12 || status == -14 ||
                            status == -15 || status == -18 || status == -19;
@@ -86,7 +94,7 @@ void DistributedFactor::Impl::factorise(Mat A) {
 }
 
 // What MUMPS says of it, INFOG(1).
-int DistributedFactor::Impl::factorise(Mat A, PetscInt beyond_estimate) {
+int DistributedFactor::Impl::factorise(Mat A, Use use, PetscInt beyond_estimate) {
   const auto ok = [](PetscErrorCode code) { petsc_check(code, "factorising a matrix over all processes"); };
   Stopwatch watch;
   MatFactorInfo info;
@@ -94,11 +102,15 @@ int DistributedFactor::Impl::factorise(Mat A, PetscInt beyond_estimate) {
   ok(MatGetFactor(A, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, &L.mat));
   ok(MatMumpsSetIcntl(L.mat, 13, 1));  // the root, too, by LDL^T: its pivots are counted
   ok(MatMumpsSetIcntl(L.mat, 14, beyond_estimate));
-  ok(MatMumpsSetIcntl(L.mat, 24, 1));    // zero pivots are counted
+  ok(MatMumpsSetIcntl(L.mat, 24, 1));                         // zero pivots are counted
+  if (use == Use::count) ok(MatMumpsSetIcntl(L.mat, 31, 1));  // L is dropped as it comes
   ok(MatMumpsSetCntl(L.mat, 3, 1e-13));  // what zero is, of the scaled matrix: as in cholesky.cpp
   ok(MatCholeskyFactorSymbolic(L.mat, A, nullptr, &info));
   figures.seconds_ordering += watch.lap();
-  ok(MatCholeskyFactorNumeric(L.mat, A, &info));
+  {
+    const MumpsWorkspace::Lent lent(workspace);
+    ok(MatCholeskyFactorNumeric(L.mat, A, &info));
+  }
   figures.seconds_numeric += watch.lap();
   MatFactorError error = MAT_FACTOR_NOERROR;
   ok(MatFactorGetError(L.mat, &error));
@@ -120,13 +132,13 @@ int DistributedFactor::Impl::factorise(Mat A, PetscInt beyond_estimate) {
   return 0;
 }
 
-DistributedFactor::DistributedFactor(const Team& team, const UpperCsr& part, const RowShares& rows,
-                                     const std::vector<std::pair<int, double>>& diagonal)
-    : impl_(new Impl{team, rows, {}, 0, 0, {}}) {
+DistributedFactor::DistributedFactor(const Team& team, Terms terms, const RowShares& rows, Use use)
+    : impl_(new Impl{team, rows, {}, {}, 0, 0, {}}) {
   const SomeCores cores(team.cores_each());
   Matrix A;
-  impl_->assemble(part, diagonal, A.mat);
-  impl_->factorise(A.mat);
+  impl_->assemble(terms, A.mat);
+  terms = {};
+  impl_->factorise(A.mat, use);
 }
 
 DistributedFactor::~DistributedFactor() = default;

@@ -20,10 +20,20 @@ namespace flexura::linalg {
 /// rank that owns it, L on all.  Every function is collective, within Team::in_step().
 class DistributedFactor {
  public:
-  /// `part`: this rank's terms, of the rows known here; `diagonal`: (number among those of all ranks, value) to be added to
-  /// the diagonal.  std::runtime_error on all ranks where it fails.
-  DistributedFactor(const Team& team, const UpperCsr& part, const RowShares& rows,
-                    const std::vector<std::pair<int, double>>& diagonal = {});
+  /// This rank's terms, of the rows known here.
+  struct Terms {
+    UpperCsr matrix;
+    /// What holds these numbers, where nobody else needs them: they are gone before the factorisation begins.
+    std::shared_ptr<const void> held_by = nullptr;
+    /// (number among those of all ranks, value) to be added to the diagonal.
+    std::vector<std::pair<int, double>> diagonal = {};
+  };
+  enum class Use {
+    solve,
+    count,  ///< pivots only: L is not kept, which takes a third of the memory
+  };
+  /// std::runtime_error on all ranks where it fails.
+  DistributedFactor(const Team& team, Terms terms, const RowShares& rows, Use use = Use::solve);
   ~DistributedFactor();
   DistributedFactor(const DistributedFactor&) = delete;
   DistributedFactor& operator=(const DistributedFactor&) = delete;

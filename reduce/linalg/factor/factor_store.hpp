@@ -20,6 +20,8 @@ struct FactorStorage {
   /// In single precision, which takes half the time and memory, where refinement with such a factor converges; in
   /// double precision where it does not.
   bool single = false;
+  /// For its pivots' signs only, nothing is solved: a team's factor is not kept at all.
+  bool to_count = false;
 };
 
 /// [bytes] that this process can still take without swapping: what the system has and what its group of

@@ -4,10 +4,12 @@
 #include <petscksp.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "reduce/linalg/factor/mumps_workspace.hpp"
 #include "tests/reduce/petsc/petsc_options.hpp"
 
 // The solver package "fronts" through PETSc's own functions, beside CHOLMOD and MUMPS.
@@ -294,6 +296,40 @@ void expect_refusal(Mat A, const char* text) {
     EXPECT_THAT(thrown.what(), ::testing::HasSubstr(text));
     EXPECT_THAT(thrown.what(), ::testing::Not(::testing::HasSubstr("\n")));
   }
+}
+
+TEST(Mumps, AWorkspaceGivesBackAllButWhatIsKept) {
+  MumpsWorkspace workspace;
+  constexpr std::size_t kNumbers = 100000, kKept = 30000,
+                        kPage = 65536 / sizeof(double);  // the largest there is
+  double* const numbers = workspace.reserve(kNumbers);
+  ASSERT_NE(numbers, nullptr);
+  std::fill_n(numbers, kNumbers, 1.0);
+  workspace.keep(kKept);
+  EXPECT_EQ(std::count(numbers, numbers + kKept, 1.0), static_cast<std::ptrdiff_t>(kKept));
+  // Memory that has been given back and comes again is zero.
+  EXPECT_EQ(std::count(numbers + kKept + kPage, numbers + kNumbers, 0.0),
+            static_cast<std::ptrdiff_t>(kNumbers - kKept - kPage));
+}
+
+// PETSc's call reaches the workspace, and no more is kept than the factor: its entries, and what MUMPS stores beside them of
+// the triangles on the diagonal (none below 2/3 of the whole here).
+TEST(Mumps, FactorisesInAWorkspaceThatIsLent) {
+  const Options options({{"-pc_factor_mat_solver_type", "mumps"}});
+  const MatrixXd A = random_symmetric(200, 0.0, 9);
+  const PetscMatrix matrix(A, true);
+  MumpsWorkspace workspace;
+  const Solver solver(matrix.get());
+  {
+    const MumpsWorkspace::Lent lent(workspace);
+    ok(KSPSetUp(solver.ksp));
+  }
+  PetscInt entries = 0;
+  ok(MatMumpsGetInfog(solver.factor(), 29, &entries));
+  EXPECT_GE(workspace.kept(), static_cast<std::size_t>(entries));
+  EXPECT_LE(workspace.kept(), static_cast<std::size_t>(1.5 * entries));
+  const MatrixXd B = right_hand_sides(A.rows(), 3), exact = A.ldlt().solve(B);
+  EXPECT_LT((solver.solve(B, true) - exact).norm(), tolerance(A) * exact.norm());
 }
 
 TEST(Fronts, MatricesThatItDoesNotTakeAreNamed) {
