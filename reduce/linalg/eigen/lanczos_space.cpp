@@ -90,15 +90,19 @@ void LanczosSpace::restart(const MatrixXd& Y, const VectorXd& theta) {
   H_ = theta.asDiagonal();
 }
 
-void LanczosLooks::plan(Index size, Index known, Index target) {
-  const double side = static_cast<double>(size), gained = static_cast<double>(known - known_then_);
-  const double least = std::clamp(48.0 * side * side / n_rows_, block_, std::max(side / 8.0, block_));
-  const double needed =
-      gained > 0.0 ? static_cast<double>(target - known) * (side - static_cast<double>(looked_at_)) / gained
-                   : 0.0;
+void LanczosLooks::plan(Index size, Index known, Index target, double too_large) {
+  const double side = static_cast<double>(size), since = side - static_cast<double>(looked_at_);
+  const double gained = static_cast<double>(known - known_then_);
+  const double least = std::clamp(8.0 * side * side / n_rows_, block_, std::max(side / 8.0, block_));
+  double needed = gained > 0.0 ? static_cast<double>(target - known) * since / gained : 0.0;
+  // Errors fall by a factor with each block, once they fall at all.
+  if (too_large > 1.0 && too_large < 0.1 * too_large_then_)
+    needed = std::min(gained > 0.0 ? needed : side,
+                      since * std::log(too_large) / std::log(too_large_then_ / too_large));
   next_ = size + static_cast<Index>(std::clamp(needed, least, std::max(least, side / 4.0)));
   looked_at_ = size;
   known_then_ = known;
+  too_large_then_ = too_large;
 }
 
 }  // namespace flexura::linalg

@@ -58,20 +58,24 @@ class LanczosSpace {
   int n_solves_ = 0, n_blocks_ = 0;
 };
 
-/// When the pairs of H are to be looked at: a look costs some 100 size^3, a block 8 n size b in orthogonalisation alone,
-/// and looks are to be a quarter of that.  The pairs known so far tell when the rest will be.
+/// When the pairs of H are to be looked at: a look costs some 20 size^3, a block 8 n size b in orthogonalisation alone,
+/// and looks are to be a quarter of that.  The pairs known so far, and how fast the worst of them becomes better, tell when
+/// the rest will be.
 class LanczosLooks {
  public:
   LanczosLooks(double n_rows, Eigen::Index block, Eigen::Index first)
       : n_rows_(n_rows), block_(static_cast<double>(block)), next_(first) {}
   bool due(Eigen::Index size) const { return size >= next_; }
   void set_next(Eigen::Index size) { next_ = size; }
-  /// After a look that has found `known` of `target` pairs accurate.
-  void plan(Eigen::Index size, Eigen::Index known, Eigen::Index target);
-  void forget() { looked_at_ = known_then_ = 0; }  ///< at a restart
+  /// After a look that has found `known` of `target` pairs accurate, the worst of all `too_large` times larger than it may be.
+  void plan(Eigen::Index size, Eigen::Index known, Eigen::Index target, double too_large);
+  void forget() {  ///< at a restart
+    looked_at_ = known_then_ = 0;
+    too_large_then_ = 0.0;
+  }
 
  private:
-  double n_rows_, block_;
+  double n_rows_, block_, too_large_then_ = 0.0;
   Eigen::Index next_, looked_at_ = 0, known_then_ = 0;
 };
 
