@@ -203,6 +203,14 @@ const NodeShares& SharedPart::nodes() const {
   return impl_->nodes;
 }
 
+CellStrains SharedPart::cell_rows(const CellStrains& all, int rank) const {
+  if (all.rows() == 0) return all;
+  std::vector<Eigen::Index> cells;
+  for (std::size_t cell = 0; cell < impl_->part_of.size(); ++cell)
+    if (impl_->part_of[cell] == rank) cells.push_back(static_cast<Eigen::Index>(cell));
+  return all(cells, Eigen::all);
+}
+
 PartShare SharedPart::hand_out() const {
   const auto& [team, part, numbering, part_of, nodes] = *impl_;
   const std::vector<int> owner = owners_of_groups(part, numbering, part_of, team.size());

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "reduce/assembly/input/initial_strain.hpp"
 #include "reduce/assembly/ties/tied_numbering.hpp"
 #include "reduce/linalg/factor/row_exchange.hpp"
 
@@ -53,6 +54,8 @@ class SharedPart {
   ~SharedPart();
 
   const NodeShares& nodes() const;
+  /// Of numbers for each solid, in the order of the blocks, those of a rank's, in the order of its own; nothing of nothing.
+  CellStrains cell_rows(const CellStrains& all, int rank) const;
   /// Collective, with take_share() on the other ranks: hands out the shares, returns rank 0's.
   PartShare hand_out() const;
 

@@ -68,7 +68,8 @@ linalg::FactorStorage storage_for(const TiedModel& model, const ReductionOptions
   linalg::FactorStorage storage = options.storage;
   const double vector = sizeof(double) * std::max(1.0, static_cast<double>(model.n_rows()));
   const int n_vectors =
-      linalg::block_lanczos_vectors(options.n_modes, 16, 0.25 * linalg::available_memory() / vector) +
+      linalg::block_lanczos_vectors(options.n_modes, linalg::block_lanczos_width(options.n_modes),
+                                    0.25 * linalg::available_memory() / vector) +
       2 * model.n_b() + options.n_modes + 100;
   storage.reserve += vector * n_vectors;
   return storage;
@@ -284,7 +285,7 @@ class ReductionStages {
     project_loads(here_, model_, T_, options_, reduction_);
     if (!wants_stress_) return;
     reduction_.stress_modes = stress_modes(whole_, part_, model_, basis_, T_, options_);
-    reduction_.stress_of_loads = stress_of_preloads(part_, options_);
+    if (!model_.share()) reduction_.stress_of_loads = stress_of_preloads(part_, options_);
     report_.seconds_stress = watch_.lap();
     if (!reduction_.mesh) return;
     const double before = linalg::processor_seconds();
@@ -371,10 +372,7 @@ Reduction craig_bampton(const Part& whole, const PartShare& share, const Reducti
 }
 
 Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
-  // Strains of preloads are not handed out.
-  const bool preloaded =
-      std::ranges::any_of(options.loads, [](const LoadField& l) { return l.strain.rows() > 0; });
-  if (options.team && options.set != ModeSet::craig_chang && !has_elastic_ties(whole) && !preloaded)
+  if (options.team && options.set != ModeSet::craig_chang && !has_elastic_ties(whole))
     return lead_reduction(whole, options);
   Reduction reduction;
   std::optional<Part> stiff;

@@ -7,6 +7,7 @@
 
 #include "reduce/assembly/shared_assembly.hpp"
 #include "reduce/cms/craig_bampton.hpp"
+#include "reduce/cms/projection.hpp"
 #include "reduce/linalg/dense/progress.hpp"
 #include "reduce/linalg/session/user_options.hpp"
 
@@ -16,13 +17,16 @@ namespace {
 using linalg::Message;
 using Task = linalg::Team::Task;
 
-// Of the loads what a rank has: accelerations of its nodes, which its mass matrix turns into forces, and forces once.
-std::vector<LoadField> loads_of(const std::vector<LoadField>& loads, const NodeShares& nodes, int rank) {
-  std::vector<LoadField> out = loads;
-  for (LoadField& load : out) {
-    load.acceleration = nodes.rows(load.acceleration, rank, false);
-    load.forces = nodes.rows(load.forces, rank, true);
-  }
+// Of the loads what a rank has: accelerations of its nodes, which its mass matrix turns into forces, forces once, strains of
+// its cells.
+std::vector<LoadField> loads_of(const std::vector<LoadField>& loads, const SharedPart& shared, int rank) {
+  std::vector<LoadField> out;
+  for (const LoadField& load : loads)
+    out.push_back({.name = load.name,
+                   .forces = shared.nodes().rows(load.forces, rank, true),
+                   .acceleration = shared.nodes().rows(load.acceleration, rank, false),
+                   .keep_shape = load.keep_shape,
+                   .strain = shared.cell_rows(load.strain, rank)});
   return out;
 }
 
@@ -41,6 +45,7 @@ void put_options(Message& message, const ReductionOptions& options, const std::v
     message.put(load.keep_shape);
     for (const Eigen::MatrixX3d* field : {&load.acceleration, &load.forces})
       message.put_all(field->reshaped().eval());
+    message.put_all(load.strain.reshaped<Eigen::RowMajor>().eval());
   }
 }
 
@@ -63,6 +68,9 @@ ReductionOptions take_options(Message& message) {
       *field = Eigen::Map<const Eigen::MatrixX3d>(numbers.data(),
                                                   static_cast<Eigen::Index>(numbers.size() / 3), 3);
     }
+    const auto strains = message.take_all<double>();
+    load.strain =
+        Eigen::Map<const CellStrains>(strains.data(), static_cast<Eigen::Index>(strains.size() / 6), 6);
   }
   return options;
 }
@@ -92,14 +100,16 @@ Reduction lead_reduction(const Part& whole, const ReductionOptions& options) {
     const PartShare share = shared->hand_out();
     for (int rank = 1; rank < team.size(); ++rank) {
       Message message;
-      put_options(message, options, loads_of(options.loads, shared->nodes(), rank));
+      put_options(message, options, loads_of(options.loads, *shared, rank));
       team.send(message, rank);
     }
     ReductionOptions own = options;
-    own.loads = loads_of(options.loads, shared->nodes(), 0);
+    own.loads = loads_of(options.loads, *shared, 0);
     shared.reset();
     reduction = craig_bampton(whole, share, own);
   });
+  // Strains of all cells are here alone.
+  if (!options.stress_nodes.empty()) reduction.stress_of_loads = stress_of_preloads(whole, options);
   reduction.report.peak_memory_bytes = linalg::peak_memory();
   reduction.report.peak_memory_of_others_bytes = peak_memory_of_others(team);
   return reduction;

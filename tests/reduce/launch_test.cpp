@@ -110,7 +110,8 @@ TEST_P(ByProcesses, MassesLinksLoadsStiffeningAndStressesAreThoseOfOne) {
                      "[mass_point.motor]\nmass = 2000\ninterface = \"left\"\noffset = [-0.3, 0.1, 0]\n"
                      "[mass_point.lamp]\nmass = 500\nnode = 17\n"
                      "[link.strut]\nnodes = [13, 17]\nstiffness = \"1e9 N/m\"\ndamping = \"100 N s/m\"\n"
-                     "[load.weight]\ntype = \"gravity\"\nacceleration = [0, 0, -9.81]\nkeep_shape = true\n")
+                     "[load.weight]\ntype = \"gravity\"\nacceleration = [0, 0, -9.81]\nkeep_shape = true\n"
+                     "[load.heat]\ntype = \"preload\"\nstrain = \"1e-4 * (1 + x - 2 * z)\"\n")
           .string();
   const std::string alone = folder / "alone.se.h5", together = folder / "together.se.h5";
   const test::Outcome one = test::run("flexura-reduce", {part, "-o", alone, "-q"});
@@ -131,16 +132,23 @@ TEST_P(ByProcesses, MassesLinksLoadsStiffeningAndStressesAreThoseOfOne) {
   expect_near(a.inertia.S_xphi.leftCols(a.n_b), b.inertia.S_xphi.leftCols(a.n_b), "S_xphi");
   ASSERT_TRUE(a.D_se.size() > 0 && b.D_se.size() > 0);
   expect_near(corner(a.D_se), corner(b.D_se), "D_se");
-  ASSERT_TRUE(a.load_cases.size() == 1 && b.load_cases.size() == 1);
+  ASSERT_TRUE(a.load_cases.size() == 2 && b.load_cases.size() == 2);
   expect_near(a.load_cases[0].p_se.head(a.n_b), b.load_cases[0].p_se.head(a.n_b), "p_se");
   expect_near(a.load_cases[0].moment.leftCols(a.n_b), b.load_cases[0].moment.leftCols(a.n_b), "moment");
+  expect_near(a.load_cases[1].p_se.head(a.n_b), b.load_cases[1].p_se.head(a.n_b), "p_se of the preload");
+  EXPECT_TRUE(a.load_cases[1].is_preload && b.load_cases[1].is_preload);
   ASSERT_TRUE(a.stiffening && b.stiffening);
   for (int k = 0; k < 6; ++k)
     expect_near(corner(a.stiffening->K0omega[k]), corner(b.stiffening->K0omega[k]), "K0omega");
   expect_near(corner(a.stiffening->K0t[0]), corner(b.stiffening->K0t[0]), "K0t");
   expect_near(corner(a.stiffening->K0F.front()), corner(b.stiffening->K0F.front()), "K0F");
+  ASSERT_TRUE(a.stiffening->K0p.size() == 2 && b.stiffening->K0p.size() == 2);
+  for (std::size_t k = 0; k < 2; ++k)
+    expect_near(corner(a.stiffening->K0p[k]), corner(b.stiffening->K0p[k]), "terms of the loads");
   ASSERT_TRUE(a.stress && b.stress);
   expect_near(a.stress->S.leftCols(a.n_b), b.stress->S.leftCols(a.n_b), "stress");
+  ASSERT_GT(a.stress->of_loads.norm(), 0.0);
+  expect_near(a.stress->of_loads, b.stress->of_loads, "stress of the preload");
 }
 
 INSTANTIATE_TEST_SUITE_P(Launch, ByProcesses, ::testing::Values(2, 4),

@@ -38,6 +38,11 @@ Index wanted(const VectorXd& omega2, const VectorXd& estimate, const EigenReques
 
 }  // namespace
 
+int block_lanczos_width(int count) {
+  constexpr int kNarrow = 8, kWide = 16, kMany = 200;
+  return count < kMany ? kNarrow : kWide;
+}
+
 // Room for a Krylov space without a restart in the usual case; a search up to a frequency may need to grow.
 int block_lanczos_vectors(int count, int block, double room) {
   count = std::max(count, 1);

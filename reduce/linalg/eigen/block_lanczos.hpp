@@ -39,6 +39,10 @@ struct BlockLanczosSettings {
 EigenPairs iterate_block_lanczos(const EigenProblem& problem, const EigenRequest& request,
                                  const BlockLanczosSettings& settings, const Progress& progress = {});
 
+/// Right-hand sides together, for `count` pairs.  Narrow blocks need a third less of them; wide ones pass along a long basis
+/// half as often.
+int block_lanczos_width(int count);
+
 /// How many vectors of the problem's length the basis holds at most, for `count` pairs, where there is room for `room` of them.
 /// All of them spare restarts; these cost little (a quarter more processor time with 4/3 of the pairs, 80,000 unknowns), and
 /// a basis with restarts has a third of the length.

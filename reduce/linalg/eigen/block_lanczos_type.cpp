@@ -18,8 +18,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr int kNarrowBlock = 8, kWideBlock = 16;
-
 struct Data {
   PetscInt block = PETSC_DECIDE;
   PetscInt slice = PETSC_DECIDE;  // modes of a slice; 0: one basis
@@ -120,11 +118,9 @@ double room_for_vectors(EPS eps) {
   return least;
 }
 
-// Right-hand sides together.  Narrow blocks need a third less of them; wide ones pass along a long basis half as often.
 int width_of_blocks(EPS eps) {
-  constexpr PetscInt kMany = 200;
-  if (data(eps).block > 0) return static_cast<int>(data(eps).block);
-  return eps->nev < kMany ? kNarrowBlock : kWideBlock;
+  return data(eps).block > 0 ? static_cast<int>(data(eps).block)
+                             : block_lanczos_width(static_cast<int>(eps->nev));
 }
 
 // Modes of a slice, 0 for one basis: the user's choice, or what is faster.
@@ -154,7 +150,8 @@ void abandon_if_many(EPS eps, const EigenProblem& problem, const EigenRequest& r
   if (!(request.omega2_max > 0.0) || known < kEnoughToTell || data(eps).slice >= 0) return;
   const double count = expected_below(omega2.head(known), request.omega2_max);
   if (count < 3.0 * static_cast<double>(known)) return;  // it has come too far
-  const int block = data(eps).block > 0 ? static_cast<int>(data(eps).block) : kWideBlock;
+  const int block = data(eps).block > 0 ? static_cast<int>(data(eps).block)
+                                        : block_lanczos_width(static_cast<int>(std::min(count, 1e6)));
   const int slice =
       modes_per_slice(problem, static_cast<double>(eps->n), static_cast<int>(std::min(count, 1e6)), block);
   if (slice > 0) throw ManyModes{slice, block};
@@ -304,7 +301,7 @@ PetscErrorCode compute_vectors(EPS) {
 
 PetscErrorCode set_from_options(EPS eps, PetscOptionItems* PetscOptionsObject) {
   PetscOptionsHeadBegin(PetscOptionsObject, "EPS block Lanczos options");
-  PetscInt block = data(eps).block > 0 ? data(eps).block : kNarrowBlock;
+  PetscInt block = data(eps).block > 0 ? data(eps).block : block_lanczos_width(1);
   PetscBool given = PETSC_FALSE;
   PetscCall(PetscOptionsBoundedInt("-eps_blocklanczos_block",
                                    "right-hand sides solved for together; 8, or 16 for many modes", "", block,

@@ -27,9 +27,9 @@ MUMPS_INT info(const DMUMPS_STRUC_C& id, int k) {
   return id.info[k - 1];
 }
 
-// Neither on disk nor of low rank, where a factor is kept otherwise.
+// Neither on disk nor of low rank, where a factor is kept otherwise, nor within a bound that the user has set.
 bool is_kept_whole(const DMUMPS_STRUC_C& id) {
-  return icntl(id, 22) == 0 && icntl(id, 35) == 0;
+  return icntl(id, 22) == 0 && icntl(id, 35) == 0 && icntl(id, 23) == 0;
 }
 
 }  // namespace
