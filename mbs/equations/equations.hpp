@@ -243,6 +243,8 @@ class Equations {
   /// True for a condition at which the formula bends but does not jump (abs, min, max, a table's points): nothing
   /// goes wrong where it is left at 0.
   virtual bool is_kink(int /*root*/) const { return false; }
+  /// False for the switch of a force that is the same on both sides of it; it must be in its right position, though.
+  virtual bool jumps_at(int root) const { return !is_kink(root); }
   /// Holds all conditions at what they are in this state.
   virtual void hold_conditions(State& /*s*/, Scratch& /*scratch*/) const {}
 

@@ -27,6 +27,8 @@ class HasStates {
   virtual int n_states() const { return 0; }  ///< dynamic
   virtual int n_switches() const { return 0; }
   virtual std::string switch_name(int i) const { return "switch_" + std::to_string(i + 1); }
+  /// False where what the element exerts is the same on both sides of the switch.
+  virtual bool jumps_at(int /*which*/) const { return true; }
   /// Values of dynamic states before anything is known of the motion.
   virtual void start(double* /*c*/) const {}
   virtual void rates(const Kinematics& /*kin*/, const double* /*signals*/, double* /*c_rate*/) const {}

@@ -287,6 +287,9 @@ bool Mechanism::is_condition(int root) const {
 bool Mechanism::is_kink(int root) const {
   return m_->states.is_kink(root);
 }
+bool Mechanism::jumps_at(int root) const {
+  return m_->states.jumps_at(root);
+}
 std::string Mechanism::name_of_root(int i) const {
   return m_->states.name_of_root(i);
 }

@@ -96,6 +96,7 @@ class Mechanism final : public Equations {
   std::string describe_root(int i) const override;
   bool is_condition(int root) const override;
   bool is_kink(int root) const override;
+  bool jumps_at(int root) const override;
   void hold_conditions(State& s, Scratch& scratch) const override;
   std::vector<std::shared_ptr<const TimeFunction>> functions_of_time() const override;
   std::vector<std::shared_ptr<const MotionFunction>> functions_of_motion() const override;

@@ -206,5 +206,46 @@ TEST_F(Accuracy, WhatIsSmallBesideTheMechanismIsNoNoise) {
   EXPECT_THAT(rigid.out, HasSubstr("of the rms of root.torque_y"));
 }
 
+// "The constraints contradict each other", exit code 2, or "bar: rigid" and an end at 0.1 s: the loop moves by deformation alone.
+// A bar guided at its end pushes back with 12 E I w / L^3; its own mass adds less than a hundredth at 1 Hz (it has 106 Hz).
+TEST_F(Accuracy, WhatMovesByDeformationAloneIsNotRigid) {
+  reduce("ringer", {"-n", "4"});
+  constexpr double kStiffness = 12.0 * 210e9 * 30e-3 * 5e-3 * 5e-3 * 5e-3 / 12.0 / (0.5 * 0.5 * 0.5);
+  for (const std::string start : {"0", "0.1"}) {
+    const Outcome out = simulate("scene_bent", {"--accuracy", "1 %", "--set", "parameters.start=" + start});
+    ASSERT_EQ(out.exit_code, 0) << out.err;
+    EXPECT_THAT(out.out, HasSubstr("the run with it rigid cannot be: "));
+    const results::Run run = rows();
+    const Eigen::VectorXd push = kStiffness * run.values.col(1);
+    EXPECT_LT((run.values.col(0) - push).norm(), 0.02 * push.norm()) << start;
+  }
+}
+
+// "Link: rigid" without a reason, and "100 % of the rms" at the end.
+TEST_F(Accuracy, ARunThatIsToStopIsChosenLikeAnyOther) {
+  reduce("strip");
+  const Outcome out = simulate("scene_pendulum", {"--accuracy", "10 %", "--set", "solver.stop_time=0.5"});
+  ASSERT_EQ(out.exit_code, 0) << out.err;
+  EXPECT_EQ(out.out.find("link: rigid"), std::string::npos) << out.out;
+  EXPECT_EQ(out.err.find("is not met"), std::string::npos) << out.err;
+}
+
+// "stops.lower_push switches without end" where the push came to its end: the damper's force is not known to round-off.
+TEST_F(Accuracy, APushThatEndsOnHardlyAnyMassEndsOnce) {
+  reduce("leaf");
+  const auto with = [&](const std::string& tolerance) {
+    return simulate("scene_flap", {"-q", "--no-estimate", "--set", "body.flap.fidelity=modal", "--set",
+                                   "solver.method=radau", "--set", "solver.tolerance=" + tolerance, "--set",
+                                   "output.quantities=[\"bend\", \"o.angle\"]"});
+  };
+  ASSERT_EQ(with("1e-9").exit_code, 0);
+  const results::Run truth = rows();
+  for (const std::string tolerance : {"2e-4", "1e-4", "1e-6"}) {
+    const Outcome out = with(tolerance);
+    ASSERT_EQ(out.exit_code, 0) << out.err;
+    EXPECT_LT(error(rows(), truth), 1e-3);
+  }
+}
+
 }  // namespace
 }  // namespace flexura::test

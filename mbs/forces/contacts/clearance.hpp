@@ -51,6 +51,7 @@ class Clearance final : public ForceElement, public HasRobotWords {
     static const char* names[] = {"lower_gap", "lower_push", "upper_gap", "upper_push"};
     return names[i];
   }
+  bool jumps_at(int which) const override { return ContactLaw::jumps_at(which % ContactLaw::n_switches); }
   void start(double* c) const override { std::fill_n(c, n_states(), 1.0); }
   void rates(const Kinematics&, const double*, double* c_rate) const override {
     std::fill_n(c_rate, n_states(), 0.0);

@@ -99,6 +99,7 @@ class Contact final : public ForceElement, public HasPicture {
   int n_states() const override { return law_.n_states(); }
   int n_switches() const override { return ContactLaw::n_switches; }
   std::string switch_name(int i) const override { return i == 0 ? "gap" : "push"; }
+  bool jumps_at(int which) const override { return ContactLaw::jumps_at(which); }
   void start(double* c) const override { std::fill_n(c, n_states(), 1.0); }
   void rates(const Kinematics&, const double*, double* c_rate) const override {
     std::fill_n(c_rate, n_states(), 0.0);

@@ -26,6 +26,8 @@ class ContactLaw {
   ContactLaw(double stiffness, double exponent, double damping, double restitution, double slowest);
 
   static constexpr int n_switches = 2;  ///< touching, pushing
+  /// What stops pushing has come down to no force; what touches may set in with a damping force.
+  static bool jumps_at(int which) { return which != 1; }
   /// With restitution u_0, which stays constant between touch-downs.
   int n_states() const { return chi_ > 0.0 ? 1 : 0; }
 

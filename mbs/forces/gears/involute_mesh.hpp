@@ -26,6 +26,7 @@ class InvoluteMesh final : public ForceElement {
   int n_states() const override { return 2 * law_.n_states(); }
   int n_switches() const override { return 2 * ContactLaw::n_switches; }
   std::string switch_name(int i) const override;
+  bool jumps_at(int which) const override { return ContactLaw::jumps_at(which % ContactLaw::n_switches); }
   void start(double* c) const override;
   void rates(const Kinematics&, const double*, double* c_rate) const override;
   void switching(const Kinematics& kin, const double*, double* values) const override;

@@ -322,6 +322,14 @@ bool ElementStates::is_kink(int root) const {
   return condition.formula->is_kink(condition.node);
 }
 
+bool ElementStates::jumps_at(int root) const {
+  if (is_condition(root)) return !is_kink(root);
+  if (root < first_control_switch_.back()) return true;
+  std::size_t k = 0;
+  while (first_switch_[k + 1] <= root) ++k;
+  return tree_.d.forces[k]->jumps_at(root - first_switch_[k]);
+}
+
 std::string ElementStates::describe_root(int i) const {
   const Expression& formula = *conditions_[static_cast<std::size_t>(i - first_switch_.back())].formula;
   return fmt::format("a condition of {} = \"{}\"", formula.where(), formula.text());

@@ -83,6 +83,7 @@ class ElementStates {
   void hold_conditions(State& s, const Signals& signals) const;
   bool has_conditions() const { return !conditions_.empty(); }
   bool is_kink(int root) const;
+  bool jumps_at(int root) const;
   std::string describe_root(int i) const;
   std::string name_of_root(int i) const;
   /// Of the states of controls and forces.

@@ -56,9 +56,13 @@ void SwitchEvents::end_endless(int which, State& s, const std::vector<RootEvent>
 // What takes a switch to and fro at once may be the round-off of its own function (teeth that graze each other at hardly any
 // speed): from then on it counts only where it is clearly below 0. A relay whose output takes its input back across the
 // level goes on as before, since it falls below that, too.
+//
+// Where nothing jumps the same dynamics rule on both sides, and nothing but the error of the steps takes the switch to and
+// fro: a stiff damper on hardly any mass has forces that these do not know to round-off.  It then gets twice as much
+// every time, until it stays.
 void SwitchEvents::give_hysteresis(const std::vector<int>& roots, State& s,
                                    const std::vector<RootEvent>& events) {
-  constexpr double kClearly = 10.0;  // of what it was below at a switching
+  constexpr double kClearly = 10.0, kMore = 2.0;  // of what it was below at a switching; of what it had
   const auto is_at_once = [&](int which) {
     return !eq_.is_kink(which) && times_at_once(which, s.t, events) > kManyAtOnce;
   };
@@ -67,7 +71,8 @@ void SwitchEvents::give_hysteresis(const std::vector<int>& roots, State& s,
   if (s.hysteresis.size() == 0) s.hysteresis.setZero(values_.size());
   for (const int which : roots)
     if (is_at_once(which))
-      s.hysteresis(which) = std::max(s.hysteresis(which), kClearly * std::abs(values_(which)));
+      s.hysteresis(which) = std::max(s.hysteresis(which) * (eq_.jumps_at(which) ? 1.0 : kMore),
+                                     kClearly * std::abs(values_(which)));
 }
 
 void SwitchEvents::change(const std::vector<int>& roots, State& s, std::vector<RootEvent>& events) {

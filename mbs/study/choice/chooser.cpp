@@ -8,9 +8,11 @@
 #include <chrono>
 #include <ctime>
 #include <numbers>
+#include <optional>
 #include <ranges>
 #include <stdexcept>
 
+#include "mbs/base/documents/document.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/mechanism/describe.hpp"
 #include "mbs/study/estimate/influence.hpp"
@@ -61,7 +63,18 @@ ChosenRun Chooser::run() {
   const auto start = std::chrono::steady_clock::now();
   const std::clock_t start_cpu = std::clock();
   const auto cpu_since = [&] { return static_cast<double>(std::clock() - start_cpu) / CLOCKS_PER_SEC; };
-  ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, {}, {}, 0, 0.0, 0.0};
+  // A loop may close, or a drive move, by deformation alone.
+  std::optional<mbs::PreparedMechanism> rigid;
+  try {
+    rigid.emplace(prepared(overrides()));
+  } catch (const input::InputError& error) {
+    if (choices_.empty() && beams_.empty()) throw;
+    keep_all_because(error.what());
+    rigid.emplace(prepared(overrides()));
+  }
+  const bool can_be_rigid =
+      std::ranges::all_of(choices_, [](const auto& entry) { return entry.second.rigid; });
+  ChosenRun out{std::move(*rigid), overrides(), {}, {}, {}, false, {}, {}, {}, {}, 0, 0.0, 0.0};
   // A name that nothing has is refused before the run.
   if (choices_.empty()) mbs::select_quantities(*out.prepared.mechanism, out.prepared.file.outputs);
   bool is_screened = false;
@@ -69,17 +82,22 @@ ChosenRun Chooser::run() {
     is_screened = true;
     leave_out(out.prepared, out.overrides);
     screen(out);
-    if (!choices_.empty() && out.result.complete && out.has_estimate)
+    const bool ended = out.result.complete || out.result.stopped_as_told;
+    if (!ended && !choices_.empty() && !is_interrupted())
+      keep_all_because(out.result.stopped_because);
+    else if (!choices_.empty() && ended && out.has_estimate)
       out.estimate.missed > 0.0 ? keep_all() : choose();
-    return out.result.complete ? packed() : mbs::PreparationCache::Matrices();
+    return ended ? packed() : mbs::PreparationCache::Matrices();
   };
-  const auto kept = as_given_.cache && !(choices_.empty() && beams_.empty())
-                        ? as_given_.cache->get("choice", key_of_choice(), look)
-                        : std::make_shared<const mbs::PreparationCache::Matrices>(look());
-  if (!is_screened && !recall(*kept, out.prepared, out.overrides)) {
-    for (auto& [body, choice] : choices_) choice = {};
-    without_influence_.clear();
-    look();
+  if (can_be_rigid) {
+    const auto kept = as_given_.cache && !(choices_.empty() && beams_.empty())
+                          ? as_given_.cache->get("choice", key_of_choice(), look)
+                          : std::make_shared<const mbs::PreparationCache::Matrices>(look());
+    if (!is_screened && !recall(*kept, out.prepared, out.overrides)) {
+      for (auto& [body, choice] : choices_) choice = {};
+      without_influence_.clear();
+      look();
+    }
   }
   if (!is_screened || std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; }) ||
       std::ranges::any_of(beams_, [](const BeamChoice& beam) { return !beam.rigid; })) {
@@ -249,6 +267,23 @@ void Chooser::keep_all() {
         "judge "
         "fewer; a shorter run has that judged",
         sizes_.missed, sizes_.rows_apart);
+  }
+}
+
+// The run with the open bodies rigid cannot begin or go on.
+void Chooser::keep_all_because(const std::string& why) {
+  const auto& bodies = as_given_.mechanism->description().bodies;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const auto found = choices_.find(bodies[b].name);
+    if (found == choices_.end() || without_influence_.contains(bodies[b].name)) continue;
+    const mbs::FlexibleBody* const deforms = as_given_.mechanism->deforming(static_cast<int>(b));
+    BodyChoice& choice = found->second;
+    choice = {};
+    choice.available = deforms && deforms->modal() ? static_cast<int>(deforms->modal()->stiffness.size()) : 0;
+    choice.rigid = false;
+    choice.candidate.all = true;
+    choice.candidate.modes = choice.available;
+    choice.reason = "the run with it rigid cannot be: " + why.substr(0, why.find(';'));
   }
 }
 

@@ -58,6 +58,8 @@ class Chooser {
   void choose_beams(const std::vector<ScreenedBeam>& screened);
   void choose();
   void keep_all();
+  void keep_all_because(const std::string& why);
+  bool is_interrupted() const { return callbacks_.stop_wanted && callbacks_.stop_wanted(); }
   bool has_output_of_its_own(const std::string& body) const;
   void choose_body(const Screened& s, double share);
   std::vector<std::string> judged_with_stiffening() const;
