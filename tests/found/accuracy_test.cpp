@@ -247,5 +247,28 @@ TEST_F(Accuracy, APushThatEndsOnHardlyAnyMassEndsOnce) {
   }
 }
 
+// "Leaf: rigid: its deformation changes outputs by 0 % at most", where it turns the wheel and nothing else does: a relay that is
+// thrown, a dead band, a square have no slope at rest.
+TEST_F(Accuracy, WhatDeformationDoesBeyondTheFirstOrderIsNotNothing) {
+  reduce("leaf");
+  for (const std::string law : {"relay", "100 * max(0, abs(tip) - 3e-3)", "filter", "1e4 * tip^2"}) {
+    const std::vector<std::string> turn = {"--set", "force.turn.value=" + law};
+    const auto with = [&](std::vector<std::string> words) {
+      words.insert(words.end(), turn.begin(), turn.end());
+      return simulate("scene_trips", words);
+    };
+    ASSERT_EQ(with({"-q", "--no-estimate", "--set", "solver.tolerance=1e-9", "--set",
+                    "body.leaf.fidelity=modal", "--set", "body.leaf.attachments=none"})
+                  .exit_code,
+              0);
+    const results::Run truth = rows();
+    const Outcome out = with({"--accuracy", "1 %"});
+    ASSERT_EQ(out.exit_code, 0) << out.err;
+    EXPECT_LT(error(rows(), truth), 0.01) << law << out.out;
+    EXPECT_THAT(with({"--set", "body.leaf.fidelity=rigid"}).out, HasSubstr("unknown  modes left out of leaf"))
+        << law;
+  }
+}
+
 }  // namespace
 }  // namespace flexura::test

@@ -179,6 +179,9 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judge
                                {},
                                source.error,
                                truncation->followed_roughly + ": compare with a run with more modes"});
+      else if (!source.beyond.empty())
+        out.sources.push_back(
+            {"modes", source.body, {}, source.error, source.beyond + ": compare with a run with more modes"});
       else
         // Alone a body may be worst for another output.
         out.sources.push_back(

@@ -237,6 +237,12 @@ void Chooser::choose() {
     const auto found = choices_.find(source.body);
     if (found == choices_.end()) continue;
     found->second.available = source.available;
+    // Of that no candidate is judged.
+    if (!source.beyond.empty() && source.error <= left / bodies) {
+      keep_all_of(source.body, source.available, source.beyond);
+      bodies -= 1.0;
+      continue;
+    }
     if (source.error > left / bodies || has_output_of_its_own(source.body)) {
       not_rigid.push_back(source.body);
       continue;
@@ -277,14 +283,20 @@ void Chooser::keep_all_because(const std::string& why) {
     const auto found = choices_.find(bodies[b].name);
     if (found == choices_.end() || without_influence_.contains(bodies[b].name)) continue;
     const mbs::FlexibleBody* const deforms = as_given_.mechanism->deforming(static_cast<int>(b));
-    BodyChoice& choice = found->second;
-    choice = {};
-    choice.available = deforms && deforms->modal() ? static_cast<int>(deforms->modal()->stiffness.size()) : 0;
-    choice.rigid = false;
-    choice.candidate.all = true;
-    choice.candidate.modes = choice.available;
-    choice.reason = "the run with it rigid cannot be: " + why.substr(0, why.find(';'));
+    keep_all_of(bodies[b].name,
+                deforms && deforms->modal() ? static_cast<int>(deforms->modal()->stiffness.size()) : 0,
+                "the run with it rigid cannot be: " + why.substr(0, why.find(';')));
   }
+}
+
+void Chooser::keep_all_of(const std::string& body, int available, const std::string& why) {
+  BodyChoice& choice = choices_.at(body);
+  choice = {};
+  choice.rigid = false;
+  choice.available = available;
+  choice.candidate.all = true;
+  choice.candidate.modes = available;
+  choice.reason = why;
 }
 
 // The choice without the wish for one.

@@ -59,6 +59,7 @@ class Chooser {
   void choose();
   void keep_all();
   void keep_all_because(const std::string& why);
+  void keep_all_of(const std::string& body, int available, const std::string& why);
   bool is_interrupted() const { return callbacks_.stop_wanted && callbacks_.stop_wanted(); }
   bool has_output_of_its_own(const std::string& body) const;
   void choose_body(const Screened& s, double share);

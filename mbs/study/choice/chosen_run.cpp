@@ -197,7 +197,8 @@ void Chooser::add_part_before(ChosenRun& out, const VectorXd& squares) const {
   for (const std::string& body : refined_) {
     auto source = std::ranges::find(estimate.by_body, body, &SourceEstimate::body);
     if (source == estimate.by_body.end()) {
-      estimate.by_body.push_back({body, choices_.at(body).available, choices_.at(body).available, 0.0, ""});
+      estimate.by_body.push_back(
+          {body, choices_.at(body).available, choices_.at(body).available, 0.0, "", ""});
       source = std::prev(estimate.by_body.end());
     }
     // Which body it was is not kept: each may have been.

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "mbs/solver/integrators/known_times.hpp"
+#include "mbs/study/estimate/beyond_first_order.hpp"
 #include "mbs/study/estimate/influence.hpp"
 #include "mbs/study/estimate/step_looks.hpp"
 
@@ -37,6 +38,7 @@ struct Shadows::Impl {
   Embedding embedding;
   std::vector<std::size_t> sources;  // blocks with dropped deformations
   std::unique_ptr<LinearCorrection> correction;
+  std::unique_ptr<BeyondFirstOrder> beyond;
   Transients transients;
   std::unique_ptr<mbs::KnownTimes> known;  // while there are any
   bool jumped = false;
@@ -101,17 +103,21 @@ void Shadows::Impl::compare(double h) {
   const Index n = y.size(), n_sources = static_cast<Index>(sources.size());
   VectorXd now_square(n), now_size(n);
   MatrixXd now_source = MatrixXd::Zero(n, n_sources);
+  beyond->begin(s, v_dot, *linearised.row());
+  const MatrixXd load = loads();
   // Each source alone, then all together (which is the same where there is one).
   for (Index k = n_sources > 1 ? 0 : n_sources; k <= n_sources; ++k) {
     const bool all = k == n_sources;
     const auto part = [&](const MatrixXd& columns) {
       return all ? VectorXd(columns.rowwise().sum()) : VectorXd(columns.col(k));
     };
-    full.move(s, *linearised.row(),
-              {part(correction->delta()), part(correction->rate()), part(correction->dlambda()),
-               part(correction->states())},
-              moved);
+    const FullModel::Correction by{part(correction->delta()), part(correction->rate()),
+                                   part(correction->dlambda()), part(correction->states())};
+    full.move(s, *linearised.row(), by, moved);
     full.evaluate(outputs, moved, v_dot + part(correction->acceleration()), y_moved);
+    if (!all || n_sources == 1)
+      beyond->take(all ? 0 : static_cast<std::size_t>(k), by, part(correction->acceleration()), moved,
+                   part(load));
     if (!all) now_source.col(k) = (y_moved - y).cwiseAbs2();
   }
   for (Index i = 0; i < n; ++i) {
@@ -183,6 +189,7 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
   in.source_sums = in.last_source = MatrixXd::Zero(n_out, n_sources);
   in.known = std::make_unique<mbs::KnownTimes>(*run.mechanism, run.options);
   in.correction = std::make_unique<LinearCorrection>(full.mechanism().sizes().n_v, n_sources);
+  in.beyond = std::make_unique<BeyondFirstOrder>(full, in.sources.size());
   std::unique_ptr<Shadows> shadows(new Shadows(std::move(impl)));
   if (!looks.is_all) shadows->take_rows_alone(run);
   return shadows;
@@ -320,6 +327,7 @@ TruncationEstimate Shadows::estimate() const {
     const auto [error, which] = worst_output(in.source_sums.col(static_cast<Index>(k)), span, out.outputs);
     source.error = error;
     if (which >= 0) source.output = out.outputs[static_cast<std::size_t>(which)].name;
+    source.beyond = in.beyond->why(k);
     out.by_body.push_back(std::move(source));
   }
   std::ranges::stable_sort(out.by_body, std::ranges::greater(), &SourceEstimate::error);

@@ -41,6 +41,8 @@ struct SourceEstimate {
   int kept = 0;        ///< of them in the run
   double error = 0.0;  ///< relative rms of the worst output, by this body alone
   std::string output;  ///< that output
+  /// Why this is not all that the body does (beyond_first_order.hpp); empty where it is.
+  std::string beyond;
 };
 
 struct TruncationEstimate {
