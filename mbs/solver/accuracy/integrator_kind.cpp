@@ -16,7 +16,7 @@ const std::vector<IntegratorKind>& integrator_kinds() {
        .is_for_all = true,
        .power_of_tolerance = 5.0 / 6.0,
        .power_of_step = 5.0 / 6.0,
-       .steps_of_error = 3},
+       .steps_of_error = 6},
       {.name = "radau",
        .doc = "Radau IIA of order 5 on the same form, L-stable: high frequencies decay, none grows",
        .method = Method::radau,
@@ -32,7 +32,7 @@ const std::vector<IntegratorKind>& integrator_kinds() {
        .takes_fixed_steps = true,
        .power_of_tolerance = 2.0 / 3.0,
        .power_of_step = 2.0,
-       .steps_of_error = 3},
+       .steps_of_error = 6},
       // An explicit stage solves for accelerations, by mass matrix and QR where there are constraints.
       {.name = "runge_kutta",
        .doc = "Dormand-Prince 5(4) with projection, explicit, for models that are not stiff",

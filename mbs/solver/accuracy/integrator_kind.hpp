@@ -29,8 +29,8 @@ struct IntegratorKind {
   /// The error of the motion goes with the tolerance to this power, that with a fixed step with its length to that
   /// one; 0: nothing is known of it.
   double power_of_tolerance = 0.0, power_of_step = 0.0;
-  /// So many of its steps, which follow one another closely, are one of an equation of order five for their error: as
-  /// many as still resolve the motion; 1 where its own steps are as long.
+  /// At most so many of its steps, which follow one another closely, are one of an equation of order five for their error,
+  /// as far as one polynomial tells them; 1 where its own steps are as long.
   int steps_of_error = 1;
   /// What a matrix costs beside its derivatives, in those of a real one; an evaluation, in those of a residual, with
   /// and without constraints: a number and one for each `n^2 / 1500` (MethodWatch).

@@ -111,6 +111,28 @@ void KinematicBlocks::update(const Eigen::VectorXd& p, const Eigen::VectorXd& w)
   }
 }
 
+void KinematicBlocks::carry_along(const Eigen::VectorXd& p, const Eigen::VectorXd& w) {
+  if (widest_p_ <= 1) return;
+  eq_.kinematic(p, w, rate_);
+  // T is quadratic in p at most: central differences are exact but for round-off.
+  constexpr double kAlong = 1e-4;
+  p_step_ = p + kAlong * rate_;
+  const Eigen::VectorXd before = p - kAlong * rate_;
+  for (int k = 0; k < widest_v_; ++k) {
+    w_step_.setZero();
+    for (const Block& b : blocks_)
+      if (k < static_cast<int>(b.v.size())) w_step_(b.v[k]) = 1.0;
+    eq_.kinematic(p_step_, w_step_, rate_step_);
+    eq_.kinematic(before, w_step_, rate_);
+    for (Block& b : blocks_)
+      if (k < static_cast<int>(b.v.size()) && b.p.size() > 1)
+        for (std::size_t i = 0; i < b.p.size(); ++i)
+          b.A.row(static_cast<Eigen::Index>(i)) -=
+              (rate_step_(b.p[i]) - rate_(b.p[i])) / (2.0 * kAlong) * b.T_inverse.row(k);
+  }
+  w_step_.setZero();
+}
+
 void KinematicBlocks::multiply_T(const Eigen::MatrixXd& Z_p, Eigen::MatrixXd& Z) const {
   Z.setZero(Z_p.rows(), n_v_);
   for (const Block& b : blocks_)

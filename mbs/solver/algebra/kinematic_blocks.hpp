@@ -24,6 +24,9 @@ class KinematicBlocks {
 
   void update(const Eigen::VectorXd& p, const Eigen::VectorXd& w);  ///< T, T^+ and A
   void update_T(const Eigen::VectorXd& p);                          ///< T and T^+ alone
+  /// A -= T' T^+ with T' its rate along w, after update(p, w): of a small change of p that is carried along with the
+  /// motion, T x, the rate of x is w's change + T^+ A T x.  Of a body that spins it depends on the spin alone.
+  void carry_along(const Eigen::VectorXd& p, const Eigen::VectorXd& w);
 
   const std::vector<Block>& blocks() const { return blocks_; }
 

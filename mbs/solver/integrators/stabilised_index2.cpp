@@ -83,6 +83,10 @@ void StabilisedIndex2::linearise(double t, ConstVectorRef y, ConstVectorRef yp, 
   kinematics_.update(s_.p, s_.v);
 }
 
+void StabilisedIndex2::carry_along() {
+  kinematics_.carry_along(s_.p, s_.v);
+}
+
 const SparseTangents& StabilisedIndex2::sparse_tangents() const {
   if (!sparse_) sparse_ = std::make_unique<SparseTangents>(tangents_);
   return *sparse_;

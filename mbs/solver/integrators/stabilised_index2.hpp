@@ -55,6 +55,8 @@ class StabilisedIndex2 {
 
   /// Takes the derivatives at (t, y, y'), of which tangents() and kinematics() then hold the parts.
   void linearise(double t, ConstVectorRef y, ConstVectorRef yp, TangentScope scope);
+  /// Behind linearise(): kinematics() for changes of p that are carried along with the motion (KinematicBlocks).
+  void carry_along();
   const Sizes& sizes() const { return n_; }
   const Tangents& tangents() const { return tangents_; }
   /// The same without their zeros, made at the first call after linearise().

@@ -4,293 +4,339 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
+#include "mbs/solver/accuracy/scales.hpp"
 #include "mbs/solver/algebra/lobatto.hpp"
 
 namespace flexura::study {
 
+using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using mbs::Instant;
+using mbs::KinematicBlocks;
 using mbs::lobatto::integral_of_basis;
+using mbs::lobatto::kNode;
 
-ErrorEquation::ErrorEquation(const mbs::Equations& eq, const mbs::State& start, double duration)
+namespace {
+
+// From d at Lobatto's points to R = int d dt at Radau's, in spans: of the cubic a x + b x^2 + c x^3 that has R, int R dt and
+// int x R dt of the whole span.
+Eigen::Matrix3d cubic(const mbs::RadauTableau& k) {
+  Eigen::Matrix3d A, X;
+  A << 1.0, 1.0, 1.0,                   //
+      1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0,  //
+      1.0 / 3.0, 1.0 / 4.0, 1.0 / 5.0;
+  for (int i = 0; i < 3; ++i) {
+    const double x = k.c[static_cast<std::size_t>(i)];
+    X.row(i) << x, x * x, x * x * x;
+  }
+  return X * A.inverse();
+}
+
+Eigen::Matrix<double, 3, 4> moments_of_rate() {
+  Eigen::Matrix<double, 3, 4> m;
+  for (int k = 0; k < 4; ++k) {
+    const double x = kNode[k], w = integral_of_basis(k, 1.0);
+    m.col(k) << w, w * (1.0 - x), 0.5 * w * (1.0 - x * x);
+  }
+  return m;
+}
+
+}  // namespace
+
+ErrorEquation::ErrorEquation(const mbs::Equations& eq, const mbs::State& start,
+                             const mbs::SolverOptions& options)
     : eq_(eq),
       n_(eq.sizes()),
       scratch_(eq.make_scratch()),
       form_(eq, start),
       real_(form_),
       complex_(form_),
+      weights_(eq, options),
       n_rates_(n_.n_p + n_.n_v + n_.n_dyn),
-      duration_(duration),
-      kinematics_(eq, start.p),
+      duration_(options.end_time - options.start_time),
+      path_(eq, start.p),
+      turns_(path_.kinematics().blocks().size()),
       t_begin_(start.t),
       t_end_(start.t) {
-  const Eigen::Index n = form_.size();
-  for (VectorXd* x :
-       {&e_begin_, &e_end_, &y_, &yp_, &rhs_, &x_, &rates_, &e_[0], &e_[1], &e_[2], &R_, &R_sum_, &R_moment_})
+  const Index n = form_.size();
+  for (VectorXd* x : {&e_begin_, &e_end_, &y_, &yp_, &rhs_, &x_, &rates_, &e_[0], &e_[1], &e_[2], &r_end_,
+                      &error_.y, &at_end_.y})
     x->setZero(n);
+  for (VectorXd& d : d_) d.setZero(n);
+  for (VectorXd& r : R_) r.setZero(n);
+  has_cheap_matrices_ = n_.n_v <= kCheap;
+  holds_ = has_cheap_matrices_ ? kClose : kRough;
+  r_begin_ = r_end_;
   rhs_c_.setZero(n);
   x_c_.setZero(n);
-  for (VectorXd& r : r_) r.setZero(n_.n_v);
-  for (VectorXd& c : c_rate_) c.setZero(n_.n_dyn);
-  for (VectorXd* p : {&p_, &p_up_, &p_down_, &p_rate_, &p_rate2_}) p->setZero(n_.n_p);
-  for (VectorXd& p : path_.p) p.setZero(n_.n_p);
-  c_rate_end_.setZero(n_.n_dyn);
-  r_end_.setZero(n_.n_v);
-  inner_v_dot_.setZero(n_.n_v);
+  for (VectorXd* p : {&p_, &p_rate_, &dp_}) p->setZero(n_.n_p);
+  for (VectorXd* v : {&v_, &dv_, &error_.v_dot, &at_end_.v_dot}) v->setZero(n_.n_v);
+  for (VectorXd* g : {&g_, &g_dot_, &zero_}) g->setZero(n_.n_lambda);
+  none_ = error_part_ = at_begin_ = error_;
+  out_ = error_.y;
+  tolerance_ = options.tolerance;
+  reach_p_.resize(n_.n_p);
+  reach_v_.resize(n_.n_v);
+  for (int i = 0; i < n_.n_p; ++i) reach_p_(i) = 1.0 / eq.position_scale(i);
+  for (int i = 0; i < n_.n_v; ++i) reach_v_(i) = 1.0 / eq.velocity_scale(i);
+  if (options.scales && options.scales->reach_v.size() == n_.n_v &&
+      options.scales->reach_p.size() == n_.n_p) {
+    length_ = options.scales->length;
+    reach_p_ = options.scales->reach_p;
+    reach_v_ = options.scales->reach_v;
+  }
+  c_rate_.setZero(n_.n_dyn);
   b_.setZero(n_.n_alg);
-  for (const mbs::KinematicBlocks::Block& block : kinematics_.blocks())
-    has_turns_ = has_turns_ || block.p.size() > 1;
 }
 
-void ErrorEquation::restart(const mbs::State& s, const VectorXd& v_dot, int steps_at_once) {
-  close();
+void ErrorEquation::restart(const mbs::State& s, const VectorXd& v_dot, int longest_span) {
   form_.set_start(s);
+  if (!has_start_)
+    weights_.start(s, v_dot);
+  else
+    weights_.take(s.p, s.v);
+  has_start_ = true;
   is_stale_ = true;
   span_ = 1;
-  steps_at_once_ = std::max(1, steps_at_once);
+  longest_span_ = static_cast<std::size_t>(std::max(1, longest_span));
   v_dot_end_ = v_dot;
-  eq_.momentum(s, v_dot, *scratch_, r_end_, c_rate_end_, b_);
-  has_end_ = true;
-  path_.h = 0.0;
-}
-
-// The largest change of an entry of M, D or K, relative to the largest entry, all scaled to unit masses; of D and K where
-// they do something within the run.
-double ErrorEquation::change() const {
-  const mbs::Tangents& d = form_.tangents();
-  const VectorXd scale = d.M.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const auto part = [&](const MatrixXd& now, const MatrixXd& before, double least) {
-    const MatrixXd change = scale.asDiagonal() * (now - before) * scale.asDiagonal(),
-                   size = scale.asDiagonal() * now * scale.asDiagonal();
-    return change.cwiseAbs().maxCoeff() / (size.cwiseAbs().maxCoeff() + least);
-  };
-  return std::max({part(d.M, M_, 0.0), part(d.z_v.topRows(n_.n_v), D_, 1.0 / duration_),
-                   part(K_now_, K_, 1.0 / (duration_ * duration_))});
-}
-
-// In the middle of the steps that wait.
-void ErrorEquation::linearise() {
-  if (!is_stale_ && left_ > 0) {
-    --left_;
-    return;
-  }
-  form_.pack(middle_.state, middle_.v_dot, y_, yp_);
-  form_.linearise(middle_.state.t, y_, yp_, mbs::TangentScope::everything);
-  ++linearised_;
-  h_factors_ = 0.0;
-  const mbs::Tangents& d = form_.tangents();
-  if (n_.n_v > 0) {
-    form_.kinematics().multiply_T(d.z_p.topRows(n_.n_v), K_now_);
-    if (!is_stale_) {
-      const double part = change();
-      if (part < kSmallChange)
-        span_ = std::min(2 * span_, kLongestSpan);
-      else if (!(part < 2.0 * kSmallChange))
-        span_ = std::max(span_ / 2, 1);
-    }
-    M_ = d.M;
-    D_ = d.z_v.topRows(n_.n_v);
-    K_ = K_now_;
-  }
-  left_ = span_ - 1;
-  is_stale_ = false;
-}
-
-// p, h p' and h^2 p'' of a state with accelerations v_dot.
-void ErrorEquation::rates(const mbs::State& s, const VectorXd& v_dot, double h, VectorXd* p) {
-  p[0] = s.p;
-  eq_.kinematic(s.p, s.v, p_rate_);
-  eq_.kinematic(s.p, v_dot, p[2]);
-  if (has_turns_) {
-    // T is quadratic in p at most: its change along p' by differences is exact but for round-off.
-    constexpr double kStep = 1e-4;
-    p_up_ = s.p + kStep * p_rate_;
-    eq_.kinematic(p_up_, s.v, p_rate2_);
-    p[2] += p_rate2_ / (2.0 * kStep);
-    p_up_ = s.p - kStep * p_rate_;
-    eq_.kinematic(p_up_, s.v, p_rate2_);
-    p[2] -= p_rate2_ / (2.0 * kStep);
-  }
-  p[1] = h * p_rate_;
-  p[2] *= h * h;
-}
-
-// Fills p, v and v_dot of the path at its share x.
-void ErrorEquation::follow(double x, mbs::State& s, VectorXd& v_dot) {
-  const double x2 = x * x, x3 = x2 * x, x4 = x3 * x, x5 = x4 * x, h = path_.h;
-  const double value[6] = {
-      1 - 10 * x3 + 15 * x4 - 6 * x5, x - 6 * x3 + 8 * x4 - 3 * x5, 0.5 * x2 - 1.5 * x3 + 1.5 * x4 - 0.5 * x5,
-      10 * x3 - 15 * x4 + 6 * x5,     -4 * x3 + 7 * x4 - 3 * x5,    0.5 * x3 - x4 + 0.5 * x5};
-  const double slope[6] = {-30 * x2 + 60 * x3 - 30 * x4,     1 - 18 * x2 + 32 * x3 - 15 * x4,
-                           x - 4.5 * x2 + 6 * x3 - 2.5 * x4, 30 * x2 - 60 * x3 + 30 * x4,
-                           -12 * x2 + 28 * x3 - 15 * x4,     1.5 * x2 - 4 * x3 + 2.5 * x4};
-  const double bend[6] = {-60 * x + 180 * x2 - 120 * x3, -36 * x + 96 * x2 - 60 * x3,
-                          1 - 9 * x + 18 * x2 - 10 * x3, 60 * x - 180 * x2 + 120 * x3,
-                          -24 * x + 84 * x2 - 60 * x3,   3 * x - 12 * x2 + 10 * x3};
-  s.p = value[0] * path_.p[0];
-  p_rate_ = slope[0] * path_.p[0];
-  p_rate2_ = bend[0] * path_.p[0];
-  for (std::size_t k = 1; k < 6; ++k) {
-    s.p += value[k] * path_.p[k];
-    p_rate_ += slope[k] * path_.p[k];
-    p_rate2_ += bend[k] * path_.p[k];
-  }
-  p_rate_ /= h;
-  p_rate2_ /= h * h;
-  s.v.resize(n_.n_v);
-  v_dot.resize(n_.n_v);
-  const auto to_velocities = [&](const VectorXd& p, VectorXd& v) {
-    for (const mbs::KinematicBlocks::Block& block : kinematics_.blocks())
-      for (std::size_t i = 0; i < block.v.size(); ++i) {
-        double sum = 0.0;
-        for (std::size_t j = 0; j < block.p.size(); ++j)
-          sum += block.T_inverse(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * p(block.p[j]);
-        v(block.v[i]) = sum;
-      }
-  };
-  kinematics_.update_T(s.p);
-  to_velocities(p_rate_, s.v);
-  if (has_turns_) {
-    constexpr double kStep = 1e-4;
-    p_ = s.p + kStep * p_rate_;
-    eq_.kinematic(p_, s.v, p_up_);
-    p_ = s.p - kStep * p_rate_;
-    eq_.kinematic(p_, s.v, p_down_);
-    p_rate2_ -= (p_up_ - p_down_) / (2.0 * kStep);
-  }
-  to_velocities(p_rate2_, v_dot);
-  if (has_turns_) follow_norms(s, v_dot);
-}
-
-// Of a quaternion the path leaves the norm, p' = T v + n with T^T n = 0, and v = T^+ p' changes by (T^T T)^-1 T'^T n more.
-void ErrorEquation::follow_norms(const mbs::State& s, VectorXd& v_dot) {
-  eq_.kinematic(s.p, s.v, p_up_);
-  p_down_ = p_rate_ - p_up_;  // n
-  v_step_.setZero(n_.n_v);
-  std::size_t widest = 0;
-  for (const mbs::KinematicBlocks::Block& block : kinematics_.blocks())
-    if (block.p.size() > 1) widest = std::max(widest, block.v.size());
-  // T is linear in a quaternion: its rate is T of the quaternion's rate.
-  std::vector<VectorXd> sums(kinematics_.blocks().size());
-  for (std::size_t k = 0; k < widest; ++k) {
-    v_step_.setZero();
-    for (const mbs::KinematicBlocks::Block& block : kinematics_.blocks())
-      if (k < block.v.size()) v_step_(block.v[k]) = 1.0;
-    eq_.kinematic(p_rate_, v_step_, p_up_);
-    for (std::size_t b = 0; b < sums.size(); ++b) {
-      const mbs::KinematicBlocks::Block& block = kinematics_.blocks()[b];
-      if (block.p.size() < 2 || k >= block.v.size()) continue;
-      if (sums[b].size() == 0) sums[b].setZero(static_cast<Eigen::Index>(block.v.size()));
-      for (const int i : block.p) sums[b](static_cast<Eigen::Index>(k)) += p_up_(i) * p_down_(i);
-    }
-  }
-  for (std::size_t b = 0; b < sums.size(); ++b) {
-    if (sums[b].size() == 0) continue;
-    const mbs::KinematicBlocks::Block& block = kinematics_.blocks()[b];
-    const VectorXd more = block.T_inverse * (block.T_inverse.transpose() * sums[b]);
-    for (std::size_t k = 0; k < block.v.size(); ++k) v_dot(block.v[k]) += more(static_cast<Eigen::Index>(k));
-  }
-}
-
-void ErrorEquation::defects(const Instant& begin, const std::array<Instant, 3>& nodes) {
-  path_.t = begin.state.t;
-  path_.h = nodes[2].state.t - begin.state.t;
-  // The accelerations that the equations were met with there, by the step before.
-  rates(begin.state, has_end_ ? v_dot_end_ : begin.v_dot, path_.h, path_.p.data());
-  rates(nodes[2].state, nodes[2].v_dot, path_.h, path_.p.data() + 3);
-  r_[0] = r_end_;
-  c_rate_[0] = c_rate_end_;
-  if (!has_end_) eq_.momentum(begin.state, begin.v_dot, *scratch_, r_[0], c_rate_[0], b_);
-  for (std::size_t k = 0; k < 2; ++k) {
-    inner_ = nodes[k].state;
-    follow(mbs::lobatto::kNode[k + 1], inner_, inner_v_dot_);
-    eq_.momentum(inner_, inner_v_dot_, *scratch_, r_[k + 1], c_rate_[k + 1], b_);
-  }
-  eq_.momentum(nodes[2].state, nodes[2].v_dot, *scratch_, r_[3], c_rate_[3], b_);
-  r_end_ = r_[3];
-  c_rate_end_ = c_rate_[3];
-  v_dot_end_ = nodes[2].v_dot;
-  has_end_ = true;
-}
-
-// The step's defects to those that wait.
-void ErrorEquation::add(const Instant& begin, const std::array<Instant, 3>& nodes) {
-  const double h = path_.h, since = path_.t - t_begin_;
-  // int R dt and int (t - t_begin) R dt of what R was before.
-  R_sum_ += h * R_;
-  R_moment_ += h * (since + 0.5 * h) * R_;
-  auto R = R_.segment(form_.at_v(), n_.n_v), sum = R_sum_.segment(form_.at_v(), n_.n_v),
-       moment = R_moment_.segment(form_.at_v(), n_.n_v);
-  for (std::size_t k = 0; k < 4; ++k) {
-    const double x = mbs::lobatto::kNode[k], w = integral_of_basis(static_cast<int>(k), 1.0);
-    R += h * w * r_[k];
-    sum += h * h * w * (1.0 - x) * r_[k];
-    moment += h * h * w * ((1.0 - x) * since + 0.5 * (1.0 - x * x) * h) * r_[k];
-  }
-  if (n_.n_dyn == 0) return;
-  auto c = R_.segment(form_.at_c(), n_.n_dyn), c_sum = R_sum_.segment(form_.at_c(), n_.n_dyn),
-       c_moment = R_moment_.segment(form_.at_c(), n_.n_dyn);
-  for (int k = 1; k < 4; ++k) {
-    const double x = mbs::lobatto::kNode[k], w = integral_of_basis(k, 1.0);
-    VectorXd R_c = nodes[static_cast<std::size_t>(k - 1)].state.c - begin.state.c;
-    for (int j = 0; j < 4; ++j) R_c -= h * integral_of_basis(j, x) * c_rate_[static_cast<std::size_t>(j)];
-    c_sum += h * w * R_c;
-    c_moment += h * w * (since + x * h) * R_c;
-    if (k == 3) c += R_c;
-  }
+  has_end_ = false;
+  path_.clear();
 }
 
 void ErrorEquation::step(const Instant& begin, const std::array<Instant, 3>& nodes) {
-  const double h = nodes[2].state.t - begin.state.t;
-  if (!(h > 0.0) || is_lost_) return;
-  if (waiting_ == 0) {
-    t_begin_ = begin.state.t;
-    e_begin_ = e_end_;
-    for (VectorXd* R : {&R_, &R_sum_, &R_moment_}) R->setZero();
-  }
-  defects(begin, nodes);
-  add(begin, nodes);
-  if (waiting_ == 0 || waiting_ == steps_at_once_ / 2) {
-    middle_.state = nodes[0].state;
-    follow(0.5, middle_.state, middle_.v_dot);
-  }
-  t_waiting_ = nodes[2].state.t;
-  if (++waiting_ >= steps_at_once_) close();
+  if (!(nodes[2].state.t > begin.state.t) || is_lost_) return;
+  if (waiting_.size() == count_) waiting_.emplace_back();
+  waiting_[count_].begin = begin;
+  waiting_[count_].nodes = nodes;
+  ++count_;
 }
 
-void ErrorEquation::close() {
-  if (waiting_ == 0) return;
-  waiting_ = 0;
-  t_end_ = t_waiting_;
-  const double h = t_end_ - t_begin_;
-  // The cubic a x + b x^2 + c x^3 that has R at the end and its two integrals.
-  static const Eigen::Matrix3d inverse = [] {
-    Eigen::Matrix3d A;
-    A << 1.0, 1.0, 1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0, 1.0 / 3.0, 1.0 / 4.0, 1.0 / 5.0;
-    return Eigen::Matrix3d(A.inverse());
-  }();
-  std::array<VectorXd, 3> R;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double x = k_.c[i];
-    const Eigen::RowVector3d weights = Eigen::RowVector3d(x, x * x, x * x * x) * inverse;
-    R[i] = weights(0) * R_ + weights(1) / h * R_sum_ + weights(2) / (h * h) * R_moment_;
-  }
-  linearise();
-  solve(h, R);
+bool ErrorEquation::advance(bool end) {
+  if (count_ == 0 || (!end && count_ < span_)) return false;
+  const std::size_t steps = choose_span();
+  carry(steps);
+  std::rotate(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(steps),
+              waiting_.begin() + static_cast<std::ptrdiff_t>(count_));
+  count_ -= steps;
+  return true;
 }
 
-void ErrorEquation::solve(double h, const std::array<VectorXd, 3>& R) {
+// So many of the steps that wait, as far as one polynomial tells them; its path is laid.
+std::size_t ErrorEquation::choose_span() {
+  std::size_t steps = std::min(count_, span_);
+  const Step& first = waiting_.front();
+  for (;; steps = (steps + 1) / 2) {
+    // The accelerations that the equations were met with there, by the step before.
+    path_.lay(first.begin.state, v_dot_end_, waiting_[steps - 1].nodes[2]);
+    double off = 0.0;
+    const double allowed_p = std::max(tolerance_ * weights_.displacement(), kOfError * off_p_),
+                 allowed_v = std::max(tolerance_ * weights_.speed(), kOfError * off_v_);
+    const mbs::State& last = waiting_[steps - 1].nodes[2].state;
+    for (std::size_t i = 0; i + 1 < steps; ++i) {
+      path_.beside(waiting_[i].nodes[2].state, dp_, dv_);
+      off = std::max({off, dp_.cwiseProduct(reach_p_).lpNorm<Eigen::Infinity>() / allowed_p,
+                      dv_.cwiseProduct(reach_v_).lpNorm<Eigen::Infinity>() / allowed_v});
+    }
+    if (steps == 1 || off < 1.0) {
+      // It goes with the length to the sixth power.
+      if (steps == span_ && off < 0.03)
+        span_ = std::min(span_ + 1 + span_ / 2, longest_span_);
+      else if (steps < span_)
+        span_ = steps;
+      weights_.take(last.p, last.v);
+      speed_ = std::max(speed_, last.v.cwiseProduct(reach_v_).lpNorm<Eigen::Infinity>());
+      return steps;
+    }
+  }
+}
+
+// The run itself at a time within these steps: what the path does not tell of a state.
+void ErrorEquation::state_at(std::size_t steps, double t, Instant& out) const {
+  std::size_t i = 0;
+  while (i + 1 < steps && t > waiting_[i].nodes[2].state.t) ++i;
+  const Step& step = waiting_[i];
+  const double begin = step.begin.state.t, h = step.nodes[2].state.t - begin;
+  mbs::EnergyBook::interpolate(step.begin, step.nodes, (t - begin) / h, out);
+}
+
+// Between e of p at the pose of the derivatives and the turn of each block, which the motion carries along.
+void ErrorEquation::to_turns(VectorXd& e) {
+  for (std::size_t b = 0; b < turns_.size(); ++b)
+    if (const KinematicBlocks::Block& block = form_.kinematics().blocks()[b]; block.p.size() > 1)
+      turns_[b] = block.T_inverse * e(block.p);
+}
+void ErrorEquation::from_turns(VectorXd& e) {
+  for (std::size_t b = 0; b < turns_.size(); ++b)
+    if (const KinematicBlocks::Block& block = form_.kinematics().blocks()[b]; block.p.size() > 1)
+      e(block.p) = block.T * turns_[b];
+}
+
+// In the middle of the span.
+void ErrorEquation::linearise(std::size_t steps) {
+  std::array<VectorXd*, 4> carried = {&e_begin_, &e_end_, &at_begin_.y, &r_begin_};
+  std::array<std::vector<VectorXd>, 4> turns;
+  for (std::size_t i = 0; i < carried.size(); ++i) {
+    to_turns(*carried[i]);
+    turns[i] = turns_;
+  }
+  state_at(steps, path_.begin() + 0.5 * path_.length(), between_);
+  path_.at(0.5, between_.state, between_.v_dot);
+  form_.pack(between_.state, between_.v_dot, y_, yp_);
+  form_.linearise(between_.state.t, y_, yp_, mbs::TangentScope::everything);
+  form_.carry_along();
+  for (std::size_t i = 0; i < carried.size(); ++i) {
+    turns_ = turns[i];
+    from_turns(*carried[i]);
+  }
+  ++linearised_;
+  h_factors_ = 0.0;
+  is_stale_ = false;
+  unchecked_ = 0;
+  most_unchecked_ = 1;
+}
+
+// R of Radau's points for d of w - e*, with e* the last solution.
+void ErrorEquation::integrals(double h) {
+  static const Eigen::Matrix3d to_radau = cubic(k_);
+  static const Eigen::Matrix<double, 3, 4> from_rate = to_radau * moments_of_rate();
+  // As it was looked at at the end of the last span, with the derivatives of now.
+  d_[0] = r_begin_;
+  add_linear(at_begin_, d_[0]);
+  for (std::size_t k = 1; k < 4; ++k) {
+    error_at(kNode[k], h, error_);
+    look(nodes_[k - 1].w, nodes_[k - 1].gaps, error_, d_[k]);
+    if (k == 3) {
+      r_end_ = d_[3];
+      at_end_ = error_;
+    }
+    add_linear(error_, d_[k]);
+  }
+  const Index n_rates = n_.n_p + n_.n_v, n_rest = form_.size() - form_.at_a();
+  for (int i = 0; i < 3; ++i) {
+    VectorXd& r = R_[static_cast<std::size_t>(i)];
+    r.setZero();
+    for (int k = 0; k < 4; ++k) {
+      const VectorXd& d = d_[static_cast<std::size_t>(k)];
+      r.head(n_rates) += h * from_rate(i, k) * d.head(n_rates);
+      r.tail(n_rest) += mbs::lobatto::basis(k, k_.c[static_cast<std::size_t>(i)]) * d.tail(n_rest);
+    }
+  }
+  if (n_.n_dyn == 0) return;
+  // Of dynamic states R = c - c(0) - int f_c dt at Lobatto's points.
+  Eigen::Matrix3Xd moments = Eigen::Matrix3Xd::Zero(3, n_.n_dyn);
+  for (int k = 1; k < 4; ++k) {
+    const double x = kNode[k], w = integral_of_basis(k, 1.0);
+    VectorXd R_c = nodes_[static_cast<std::size_t>(k - 1)].w.state.c - waiting_.front().begin.state.c;
+    for (int j = 0; j < 4; ++j)
+      R_c -= h * integral_of_basis(j, x) * d_[static_cast<std::size_t>(j)].segment(form_.at_c(), n_.n_dyn);
+    if (k == 3) moments.row(0) = R_c;
+    moments.row(1) += w * R_c;
+    moments.row(2) += w * x * R_c;
+  }
+  const Eigen::Matrix3Xd R_c = to_radau * moments;
+  for (int i = 0; i < 3; ++i) R_[static_cast<std::size_t>(i)].segment(form_.at_c(), n_.n_dyn) = R_c.row(i);
+}
+
+// Of the last solution, in the norm of kinetic energy.
+double ErrorEquation::size_of_rates(const std::array<VectorXd, 3>& e) const {
+  double sum = 0.0;
+  for (const VectorXd& y : e)
+    sum += y.segment(form_.at_v(), n_.n_v).cwiseAbs2().dot(form_.tangents().M.diagonal());
+  return std::sqrt(sum);
+}
+
+double ErrorEquation::distance_of_rates(const std::array<VectorXd, 3>& e) const {
+  std::array<VectorXd, 3> off;
+  for (std::size_t i = 0; i < 3; ++i) off[i] = e_[i] - e[i];
+  return size_of_rates(off);
+}
+
+// One step of Newton's method from the last solution.
+void ErrorEquation::improve(double h) {
+  part_ = kFollowed / std::max({kFollowed, size_of(e_begin_), size_of(e_end_)});
+  try {
+    integrals(h);
+  } catch (const std::runtime_error&) {
+    // Beyond where the equations hold: on the path itself the run has asked them.
+    part_ = 0.0;
+    integrals(h);
+  }
+  solve(h);
+}
+
+// The span of these steps, whose path is laid.
+void ErrorEquation::carry(std::size_t steps) {
+  t_begin_ = path_.begin();
+  t_end_ = t_begin_ + path_.length();
+  if (is_lost_) return;
+  const double h = path_.length();
+  e_begin_ = e_end_;
+  r_begin_ = r_end_;
+  at_begin_ = at_end_;
+  lay_nodes(steps);
+  for (;;) {
+    const bool is_fresh = is_stale_;
+    if (is_fresh) linearise(steps);
+    if (!has_end_) look_at_begin(h);
+    // What the error becomes by itself.
+    for (VectorXd& r : R_) r.setZero();
+    for (VectorXd& e : e_) e = e_begin_;
+    if (spans_ > 0 && has_cheap_matrices_) solve(h);
+    predicted_ = e_;
+    improve(h);
+    if (is_fresh || is_lost_ || ++unchecked_ < most_unchecked_) break;
+    const double first = distance_of_rates(predicted_);
+    predicted_ = e_;
+    improve(h);
+    const double second = distance_of_rates(predicted_), counts = size_of_rates(e_) * h / duration_;
+    const double third = first > 0.0 ? second * second / first : 0.0;
+    unchecked_ = 0;
+    if (second > holds_.contracts * first && third > holds_.far * counts) {
+      is_stale_ = true;
+      e_end_ = e_begin_;
+      continue;
+    }
+    is_stale_ = third > holds_.far * counts;
+    most_unchecked_ =
+        second < holds_.near * counts ? std::min(2 * most_unchecked_, holds_.most_unchecked) : 1;
+    break;
+  }
+  ++spans_;
+  has_end_ = true;
+  v_dot_end_ = waiting_[steps - 1].nodes[2].v_dot;
+}
+
+// The begin of a span that follows no other.
+void ErrorEquation::look_at_begin(double h) {
+  between_ = waiting_.front().begin;
+  between_.v_dot = v_dot_end_;
+  for (VectorXd& e : e_) e = e_begin_;
+  part_ = kFollowed / std::max(kFollowed, size_of(e_begin_));
+  error_at(0.0, h, at_begin_);
+  at_begin_.y.tail(form_.size() - form_.at_a()).setZero();
+  VectorXd at_begin;
+  gaps(between_, at_begin);
+  look(between_, at_begin, at_begin_, r_begin_);
+}
+
+void ErrorEquation::solve(double h) {
   if (h != h_factors_) {
     h_factors_ = h;
     if (!real_.factor(k_.gamma / h) || !complex_.factor(k_.lambda / h)) is_lost_ = true;
   }
-  // (1/h) sum_j B_ij F_y' (e_j - e_begin) + F_y e_i = (1/h) sum_j B_ij R_j
+  // (1/h) sum_j B_ij F_y' (e_j - e_begin) + F_y e_i = (1/h) sum_j B_ij R_j, of rows without rates R_i
   form_.multiply_rates(e_begin_, rates_);
   std::array<VectorXd, 3> rhs;
-  for (int i = 0; i < 3; ++i)
-    rhs[i] = (k_.B(i, 0) * (R[0] + rates_) + k_.B(i, 1) * (R[1] + rates_) + k_.B(i, 2) * (R[2] + rates_)) / h;
+  const Index n_with = form_.at_a(), n_rest = form_.size() - n_with;
+  for (int i = 0; i < 3; ++i) {
+    rhs[i] = k_.B.row(i).sum() / h * rates_;
+    for (int j = 0; j < 3; ++j) rhs[i].head(n_with) += k_.B(i, j) / h * R_[j].head(n_with);
+    rhs[i].tail(n_rest) += R_[i].tail(n_rest);
+  }
   rhs_ = k_.v_left(0) * rhs[0] + k_.v_left(1) * rhs[1] + k_.v_left(2) * rhs[2];
   rhs_c_ = k_.w_left(0) * rhs[0] + k_.w_left(1) * rhs[1] + k_.w_left(2) * rhs[2];
   real_.solve(rhs_, x_);
@@ -303,31 +349,27 @@ void ErrorEquation::solve(double h, const std::array<VectorXd, 3>& R) {
   }
 }
 
-void ErrorEquation::beside(const mbs::State& s, VectorXd& out) {
-  out.setZero(n_rates_);
-  if (!(path_.h > 0.0) || s.t < path_.t) return;
-  inner_ = s;
-  follow(std::min((s.t - path_.t) / path_.h, 1.0), inner_, inner_v_dot_);
-  out.head(n_.n_p) = s.p - inner_.p;
-  // A quaternion and its opposite are one.
-  for (const mbs::KinematicBlocks::Block& block : kinematics_.blocks()) {
-    if (block.p.size() < 2) continue;
-    double sum = 0.0;
-    for (const int i : block.p) sum += s.p(i) * inner_.p(i);
-    if (sum < 0.0)
-      for (const int i : block.p) out(i) = s.p(i) + inner_.p(i);
+void ErrorEquation::at(const mbs::State& s, VectorXd& e) {
+  VectorXd y = e_end_;
+  if (t_end_ > t_begin_) {
+    const double x = std::clamp((s.t - t_begin_) / (t_end_ - t_begin_), 0.0, 1.0);
+    y = e_begin_;
+    for (int i = 0; i < 3; ++i) y += k_.basis(i, x) * (e_[i] - e_begin_);
   }
-  out.segment(n_.n_p, n_.n_v) = s.v - inner_.v;
-}
-
-void ErrorEquation::at(double t, VectorXd& e) const {
-  if (!(t_end_ > t_begin_)) {
-    e = e_end_.head(n_rates_);
-    return;
+  e = y.head(n_rates_);
+  if (path_.has_turns()) {
+    to_turns(y);
+    v_.setZero();
+    const std::vector<KinematicBlocks::Block>& blocks = path_.kinematics().blocks();
+    for (std::size_t b = 0; b < turns_.size(); ++b)
+      if (blocks[b].p.size() > 1) v_(blocks[b].v) = turns_[b];
+    eq_.kinematic(s.p, v_, p_);
+    for (const KinematicBlocks::Block& block : blocks)
+      if (block.p.size() > 1) e(block.p) = p_(block.p);
   }
-  const double x = std::clamp((t - t_begin_) / (t_end_ - t_begin_), 0.0, 1.0);
-  e = e_begin_.head(n_rates_);
-  for (int i = 0; i < 3; ++i) e += k_.basis(i, x) * (e_[i] - e_begin_).head(n_rates_);
+  path_.beside(s, dp_, dv_);
+  e.head(n_.n_p) += dp_;
+  e.segment(n_.n_p, n_.n_v) += dv_;
 }
 
 }  // namespace flexura::study

@@ -7,72 +7,104 @@
 #include <memory>
 #include <vector>
 
+#include "mbs/solver/accuracy/error_weights.hpp"
 #include "mbs/solver/integrators/newton_matrix.hpp"
 #include "mbs/solver/integrators/radau/radau_tableau.hpp"
 #include "mbs/solver/run/energy.hpp"
+#include "mbs/study/estimate/span_path.hpp"
 
 /// How far a run is from the exact motion, followed along its steps, whatever the integrator.
 ///
-/// Between the ends of its steps a run is taken to be the polynomial w(t) of degree five that has its positions, velocities
-/// and accelerations there: the exact solution of equations that have its defect d = F(t, w, w') on their right.  To first
-/// order the error e = w - y_exact obeys
+/// Over a span of one or several steps a run is taken to be the polynomial w(t) of degree five that has the positions,
+/// velocities and accelerations of its ends (span_path.hpp).  The error e = w - y_exact obeys F(t, w - e, w' - e') = 0, F
+/// the stabilised index-2 form (stabilised_index2.hpp; P. E. Zadunaisky, Numer. Math. 27 (1976) 21-39; J. Lang, J. G.
+/// Verwer, Appl. Numer. Math. 57 (2007) 1-15).  It is solved for by one step of Newton's method from a prediction e*,
 ///
-///     dF/dy e + dF/dy' e' = d(t)
+///     J e = d(t),      d = F(t, w - e*, w' - e*') + J e*,      J e* = 0 (what the error so far becomes by itself)
 ///
-/// (F the stabilised index-2 form, stabilised_index2.hpp; P. E. Zadunaisky, Numer. Math. 27 (1976) 21-39; J. Lang, J. G.
-/// Verwer, Appl. Numer. Math. 57 (2007) 1-15).  Of d only integrals R from the begin of a step are wanted, of the momentum
+/// J = dF/dy + dF/dy' d/dt being held over many spans: what it has changed since, and what is not linear in e, is in d.
+/// Of d integrals over the span are wanted, by Lobatto's four points.  What w itself lacks of the motion between the ends,
+/// of order six, drops out of them, as it would not of those of the integrator's own polynomial.  One step of Radau IIA,
+/// of order five, then carries e on.
 ///
-///     R_v = int (M w'' - f + G^T lambda) dt,      and of dynamic states      R_c = c - c(0) - int f_c dt,
-///
-/// by Lobatto's four points, where the equations are evaluated; at the ends of a step they are met as far as Newton's
-/// method has met them.  What w
-/// itself lacks of the motion between the ends, of order six, drops out of these integrals, as it would not of those of
-/// the integrator's own polynomial.  One step of Radau IIA, of order five, for one or several steps of the run then
-/// carries e on, with derivatives that serve as long as they change little.
+/// Errors of poses are turns of the moving body, p_exact = p - T(p) theta, which the motion carries along: of a body that
+/// spins evenly their equation has constant coefficients (KinematicBlocks::carry_along).
 namespace flexura::study {
 
 class ErrorEquation {
  public:
-  /// `eq` outlives it; of a run of that duration [s].
-  ErrorEquation(const mbs::Equations& eq, const mbs::State& start, double duration);
+  /// `eq` outlives it.
+  ErrorEquation(const mbs::Equations& eq, const mbs::State& start, const mbs::SolverOptions& options);
 
-  /// The integrator starts there (the error stays what it is), and so many of its steps are one of this equation.
-  void restart(const mbs::State& s, const Eigen::VectorXd& v_dot, int steps_at_once);
+  /// The integrator starts there (the error stays what it is), and at most so many of its steps are one span.  Steps that
+  /// wait must have been solved for.
+  void restart(const mbs::State& s, const Eigen::VectorXd& v_dot, int longest_span);
   /// The integrator's next step: its begin, and the rest of Lobatto's points.
   void step(const mbs::Instant& begin, const std::array<mbs::Instant, 3>& nodes);
-  /// Solves for what steps are waiting.
-  void close();
+  /// Solves for the next span of the steps that wait; false where there is none, or, but at the `end`, too few.
+  bool advance(bool end);
 
   /// Until then the error is known; steps behind it are waiting [s].
   double known_until() const { return t_end_; }
-  /// w - y_exact at t within the last step of this equation: of p (n_p), v (n_v) and c (n_dyn), behind one another.
-  void at(double t, Eigen::VectorXd& e) const;
-  /// y - w of a state within the step entered last (of c: 0), likewise.
-  void beside(const mbs::State& s, Eigen::VectorXd& out);
+  /// y - y_exact of a state within the last span: of p (n_p), v (n_v) and c (n_dyn), behind one another.
+  void at(const mbs::State& s, Eigen::VectorXd& e);
 
   bool is_lost() const { return is_lost_; }        ///< it left all numbers
   long linearised() const { return linearised_; }  ///< how often
+  long spans() const { return spans_; }
 
  private:
-  // Derivatives serve while stiffness and damping, as far as they count within the run, and masses change by less than
-  // this part of themselves.
-  static constexpr double kSmallChange = 0.1;
-  static constexpr int kLongestSpan = 16;
+  // Derivatives serve as long as Newton's method is near with them: what a third step would move the error by, all spans
+  // together, is less than this part of it, or the second step less than that part of the first.  Where the second one
+  // alone is small it is left out in ever more spans.  Of many velocities derivatives cost far more than residuals: they
+  // are held for longer, and a prediction is what the error was.
+  struct Hold {
+    double far, near, contracts;
+    int most_unchecked;
+  };
+  static constexpr Hold kClose = {0.1, 0.03, 0.1, 8}, kRough = {3.0, 3.0, 0.5, 16};
+  static constexpr int kCheap = 12;
+  // Steps are one span where it leaves the states between them by less than the tolerance, of the largest motion so far, or
+  // by less than this part of the error itself.
+  static constexpr double kOfError = 0.003;
+  // Errors up to this part of the mechanism and its speed are taken off as they are; of larger ones, which one step of
+  // Newton's method does not follow, what is linear.
+  static constexpr double kFollowed = 0.02;
 
-  // The polynomial w of a step.
-  struct Path {
-    double t = 0.0, h = 0.0;
-    std::array<Eigen::VectorXd, 6> p;  // p, h p', h^2 p'' at its begin and at its end
+  struct Step {
+    mbs::Instant begin;
+    std::array<mbs::Instant, 3> nodes;
+  };
+  // The run at one of Lobatto's points, and how far it is off its constraints there.
+  struct Node {
+    mbs::Instant w;
+    Eigen::VectorXd gaps;
+  };
+  // The error with its rates: y in the order of the form, of p as a turn at the pose of the derivatives; v'.
+  struct Error {
+    Eigen::VectorXd y, v_dot;
   };
 
-  void linearise();
-  double change() const;
-  void rates(const mbs::State& s, const Eigen::VectorXd& v_dot, double h, Eigen::VectorXd* p);
-  void follow(double x, mbs::State& s, Eigen::VectorXd& v_dot);
-  void follow_norms(const mbs::State& s, Eigen::VectorXd& v_dot);
-  void defects(const mbs::Instant& begin, const std::array<mbs::Instant, 3>& nodes);
-  void add(const mbs::Instant& begin, const std::array<mbs::Instant, 3>& nodes);
-  void solve(double h, const std::array<Eigen::VectorXd, 3>& R);
+  std::size_t choose_span();
+  void state_at(std::size_t steps, double t, mbs::Instant& out) const;
+  void linearise(std::size_t steps);
+  void to_turns(Eigen::VectorXd& e);
+  void from_turns(Eigen::VectorXd& e);
+  void error_at(double x, double h, Error& out) const;
+  double size_of(const Eigen::VectorXd& y);
+  void look(const mbs::Instant& at, const Eigen::VectorXd& gaps, const Error& e, Eigen::VectorXd& out);
+  void gaps(const mbs::Instant& at, Eigen::VectorXd& out);
+  void lay_nodes(std::size_t steps);
+  void residual(const mbs::Instant& at, const Error& e, Eigen::VectorXd& out);
+  void add_linear(const Error& e, Eigen::VectorXd& out);
+  void moved_rates(const Error& e, const mbs::Instant& at, Eigen::VectorXd& out);
+  void integrals(double h);
+  void solve(double h);
+  double size_of_rates(const std::array<Eigen::VectorXd, 3>& e) const;
+  double distance_of_rates(const std::array<Eigen::VectorXd, 3>& e) const;
+  void improve(double h);
+  void look_at_begin(double h);
+  void carry(std::size_t steps);
 
   const mbs::Equations& eq_;
   mbs::Sizes n_;
@@ -81,38 +113,43 @@ class ErrorEquation {
   mbs::StabilisedIndex2 form_;
   mbs::NewtonMatrix<double> real_;
   mbs::NewtonMatrix<std::complex<double>> complex_;
+  mbs::ErrorWeights weights_;
   Eigen::Index n_rates_;  // p, v, c
   double duration_;
 
-  // What steps are solved with.
-  bool is_stale_ = true;
-  int span_ = 1, left_ = 0;
+  // What spans are solved with.
+  bool is_stale_ = true, has_start_ = false;
+  bool has_cheap_matrices_ = true;
+  Hold holds_ = kClose;
+  int unchecked_ = 0, most_unchecked_ = 1;
   double h_factors_ = 0.0;
-  long linearised_ = 0;
-  Eigen::MatrixXd M_, D_, K_, K_now_;
+  long linearised_ = 0, spans_ = 0;
 
-  // Of the step entered last: its path, and what the equations say at Lobatto's points.
-  mbs::KinematicBlocks kinematics_;
-  bool has_turns_ = false;  // coordinates whose rates are no velocities
-  Path path_;
-  std::array<Eigen::VectorXd, 4> r_;
-  std::array<Eigen::VectorXd, 4> c_rate_;
-  mbs::State inner_;
-  mbs::Instant middle_;  // of the steps that wait
-  Eigen::VectorXd inner_v_dot_, v_dot_end_, c_rate_end_, r_end_, b_, p_, p_up_, p_down_, p_rate_, p_rate2_,
-      v_step_, y_, yp_;
+  // Steps that wait, and how many are a span.
+  std::vector<Step> waiting_;
+  std::size_t count_ = 0, span_ = 1, longest_span_ = 1;
+  SpanPath path_;
+  std::vector<Eigen::VectorXd> turns_;
+
+  // What the equations say of w - e* at the end of the last span, and e* there.
+  Eigen::VectorXd v_dot_end_, r_end_, r_begin_;
+  Error at_end_, at_begin_;
   bool has_end_ = false;
 
-  // Steps that wait: how many, R at the end of the last, and its integrals int R dt, int (t - t_begin) R dt.
-  int steps_at_once_ = 1, waiting_ = 0;
-  Eigen::VectorXd R_, R_sum_, R_moment_;
-
-  // The last step of this equation.
-  double t_begin_ = 0.0, t_end_ = 0.0, t_waiting_ = 0.0;
+  // The last span.
+  double t_begin_ = 0.0, t_end_ = 0.0;
   Eigen::VectorXd e_begin_, e_end_;
-  std::array<Eigen::VectorXd, 3> e_;
+  std::array<Eigen::VectorXd, 3> e_, predicted_, R_;  // R: integrals of d, d itself of rows without rates
   bool is_lost_ = false;
-  Eigen::VectorXd rhs_, x_, rates_;
+
+  std::array<Node, 3> nodes_;
+  mbs::Instant between_, moved_;
+  Error error_, none_, error_part_;
+  double off_p_ = 0.0, off_v_ = 0.0;
+  double part_ = 1.0, speed_ = 1e-300, tolerance_ = 0.0, length_ = 1.0;
+  Eigen::VectorXd reach_p_, reach_v_, out_, theta_;
+  std::array<Eigen::VectorXd, 4> d_;
+  Eigen::VectorXd y_, yp_, rhs_, x_, rates_, b_, c_rate_, g_, g_dot_, zero_, p_, p_rate_, v_, dp_, dv_;
   Eigen::VectorXcd rhs_c_, x_c_;
 };
 

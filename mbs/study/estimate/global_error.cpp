@@ -50,7 +50,7 @@ std::unique_ptr<GlobalError> GlobalError::make(const mbs::PreparedMechanism& run
 
 GlobalError::GlobalError(const mbs::PreparedMechanism& run)
     : run_(run),
-      equation_(*run.mechanism, run.state, run.options.end_time - run.options.start_time),
+      equation_(*run.mechanism, run.state, run.options),
       closer_(*run.mechanism, run.options),
       scratch_(run.mechanism->make_scratch()),
       which_(judged_outputs(run, *run.mechanism, outputs_)),
@@ -77,8 +77,8 @@ void GlobalError::watch(mbs::RunCallbacks& callbacks) {
 
 void GlobalError::restart(const mbs::State& s, const VectorXd& v_dot, const mbs::IntegratorKind& kind) {
   const Clock clock(wall_);
+  advance(true);
   equation_.restart(s, v_dot, kind.steps_of_error);
-  compare_waiting();
   has_jumped_ = has_jumped_ || (has_stepped_ && (jumps(v_last_, s.v) || jumps(c_last_, s.c)));
   has_stepped_ = true;
 }
@@ -94,29 +94,32 @@ void GlobalError::step(const mbs::Instant& begin, const std::array<mbs::Instant,
   equation_.step(begin, nodes);
   v_last_ = nodes[2].state.v;
   c_last_ = nodes[2].state.c;
-  compare_waiting();
+  advance(false);
+}
+
+void GlobalError::advance(bool end) {
+  do compare_waiting();
+  while (equation_.advance(end));
 }
 
 void GlobalError::row(const mbs::State& s, const VectorXd& v_dot) {
   if (rows_++ % every_ != 0) return;
   const Clock clock(wall_);
-  waiting_.push_back({s, v_dot, {}});
-  equation_.beside(s, waiting_.back().beside);
+  waiting_.push_back({s, v_dot});
   compare_waiting();
 }
 
 void GlobalError::compare_waiting() {
   std::size_t done = 0;
   while (done < waiting_.size() && (!has_stepped_ || waiting_[done].state.t <= equation_.known_until())) {
-    compare(waiting_[done].state, waiting_[done].v_dot, waiting_[done].beside);
+    compare(waiting_[done].state, waiting_[done].v_dot);
     ++done;
   }
   waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(done));
 }
 
-void GlobalError::compare(const mbs::State& s, const VectorXd& v_dot, const VectorXd& beside) {
-  equation_.at(s.t, e_);
-  e_ += beside;
+void GlobalError::compare(const mbs::State& s, const VectorXd& v_dot) {
+  equation_.at(s, e_);
   const mbs::Sizes n = run_.mechanism->sizes();
   moved_ = s;
   moved_.p -= e_.head(n.n_p);
@@ -143,8 +146,7 @@ void GlobalError::compare(const mbs::State& s, const VectorXd& v_dot, const Vect
 
 IntegratorEstimate GlobalError::estimate() {
   const Clock clock(wall_);
-  equation_.close();
-  compare_waiting();
+  advance(true);
   IntegratorEstimate out;
   out.wall = wall_;
   if (compared_ == 0) {

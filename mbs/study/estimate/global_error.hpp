@@ -40,7 +40,8 @@ class GlobalError {
 
  private:
   explicit GlobalError(const mbs::PreparedMechanism& run);
-  void compare(const mbs::State& s, const Eigen::VectorXd& v_dot, const Eigen::VectorXd& beside);
+  void advance(bool end);
+  void compare(const mbs::State& s, const Eigen::VectorXd& v_dot);
   void compare_waiting();
   /// Why an error of this size is not told; empty where it is.
   std::string why_unknown(double error) const;
@@ -56,12 +57,7 @@ class GlobalError {
   bool has_stepped_ = false, has_jumped_ = false, misses_part_ = false, misses_rows_ = false;
   double wall_ = 0.0;
   Eigen::VectorXd v_last_, c_last_;
-  // Rows whose error is not known yet, and how far they lie beside the path that the equation follows.
-  struct Waiting {
-    mbs::State state;
-    Eigen::VectorXd v_dot, beside;
-  };
-  std::vector<Waiting> waiting_;
+  std::vector<mbs::Instant> waiting_;  // rows whose error is not known yet
   mbs::State moved_;
   Eigen::VectorXd e_, y_, y_moved_, v_dot_moved_, squares_, sizes_;
 };

@@ -1,11 +1,13 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/study/estimate/global_error.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <random>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -37,12 +39,9 @@ class IntegratorsShare : public ::testing::TestWithParam<std::tuple<std::size_t,
   }
 };
 
-// Where it is known to tell too much: a crank that nearly stops at its top, and dampers of 4e4 N s/m on 5 kg, whose fast
-// decay generalised-alpha does not resolve.
+// Where it is known to tell too much: a crank that nearly stops at its top, and meets far more than the error asked for.
 double most_of(const std::string& mechanism, const std::string& method) {
-  if (mechanism == "slider_crank" && method == "radau") return 15.0;
-  if (mechanism == "governor" && method == "generalised_alpha") return 50.0;
-  return 3.0;
+  return mechanism == "slider_crank" && method == "radau" ? 15.0 : 3.0;
 }
 
 // The worst output by the estimate, and how far it is off in truth: asked is 0.3 to 3.
@@ -82,7 +81,9 @@ TEST_P(IntegratorsShare, IsWithinAFactorOfThree) {
   const double true_error = std::sqrt(off / size);
   // What is too large to be followed is called unknown, and is large.
   if (!estimate.is_whole) {
-    EXPECT_NE(estimate.note.find("to first order"), std::string::npos) << estimate.note;
+    EXPECT_TRUE(estimate.note.find("to first order") != std::string::npos ||
+                estimate.note.find("beyond what can be followed") != std::string::npos)
+        << estimate.note;
     EXPECT_GT(true_error, 0.3 * 0.05) << estimate.output;
     return;
   }
@@ -133,6 +134,59 @@ TEST(IntegratorsShareLater, IsTheSame) {
     EXPECT_EQ(later.output, at_once.output) << most_memory;
     EXPECT_EQ(later.note, at_once.note) << most_memory;
   }
+}
+
+// Drawn at random: a rotor, not round, that spins about its ball joint many times while its error grows, and a beam on a
+// hinge whose damper decays within a step.
+std::string spinning(std::mt19937& random) {
+  std::uniform_real_distribution<double> part(0.5, 1.5);
+  std::string text = twelve::kTop;
+  const auto set = [&](const std::string& from, const std::string& to) {
+    text = test::replaced(text, from, to);
+  };
+  set("inertia = [0.01, 0.01, 0.002]",
+      fmt::format("inertia = [{}, 0.012, {}]", 0.012 * (1.0 + 0.05 * part(random)), 0.004 * part(random)));
+  set("omega_z = 60", fmt::format("omega_z = {}", 60.0 * part(random)));
+  set("mass = 1", fmt::format("mass = {}", part(random)));
+  return text;
+}
+std::string damped(std::mt19937& random) {
+  std::uniform_real_distribution<double> part(0.5, 1.5);
+  return test::replaced(twelve::kDoublePendulum, "[output]",
+                        fmt::format("[force.damper]\ntype = \"joint_spring_damper\"\njoint = \"q\"\n"
+                                    "coordinate = \"angle\"\ndamping = {}\n[output]",
+                                    std::pow(10.0, 1.0 + 2.0 * part(random))));
+}
+
+// The worst output by the estimate against a run at 1e-12, within the factor of three that is asked for.
+TEST(IntegratorsShareAtRandom, IsWithinAFactorOfThree) {
+  std::mt19937 random(23);
+  const Folder folder;
+  for (int i = 0; i < 4; ++i)
+    for (const auto& [text, method] :
+         {std::pair(spinning(random), "runge_kutta"), std::pair(spinning(random), "ida"),
+          std::pair(spinning(random), "generalised_alpha"), std::pair(damped(random), "generalised_alpha"),
+          std::pair(damped(random), "radau")}) {
+      SCOPED_TRACE(text);
+      const std::filesystem::path file = folder.write("mechanism.toml", text);
+      const Eigen::MatrixXd truth =
+          rows_of_run(mbs::prepare(file, {"solver.method=radau", "solver.tolerance=1e-12"}));
+      const mbs::PreparedMechanism p =
+          mbs::prepare(file, {std::string("solver.method=") + method, "solver.tolerance=1e-6"});
+      const Eigen::MatrixXd rows = rows_of_run(p);
+      const IntegratorEstimate estimate =
+          told(text, {std::string("solver.method=") + method, "solver.tolerance=1e-6"});
+      ASSERT_TRUE(estimate.is_whole) << method << ": " << estimate.note;
+      const auto which = mbs::select_quantities(*p.mechanism, p.file.outputs);
+      const auto infos = p.mechanism->quantities();
+      for (std::size_t k = 0; k < which.size(); ++k) {
+        if (infos[static_cast<std::size_t>(which[k])].name != estimate.output) continue;
+        const auto column = static_cast<Eigen::Index>(k);
+        const double off = (rows - truth).col(column).norm() / truth.col(column).norm();
+        EXPECT_GT(estimate.error, 0.3 * off) << method << ", " << estimate.output;
+        EXPECT_LT(estimate.error, 3.0 * off) << method << ", " << estimate.output;
+      }
+    }
 }
 
 TEST(IntegratorsShareUnknown, IsCalledSo) {
