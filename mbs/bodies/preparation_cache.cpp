@@ -110,13 +110,19 @@ std::shared_ptr<const superelement::Superelement> PreparationCache::read(const f
                                                                          const superelement::Parts& parts) {
   std::error_code none;
   const fs::path path = fs::weakly_canonical(file, none);
-  const std::string key =
-      fmt::format("{}|{}|{}|{}{}{}{}{}{}{}", path.string(), fs::file_size(path, none),
-                  fs::last_write_time(path, none).time_since_epoch().count(), parts.matrices, parts.inertia,
-                  parts.stiffening, parts.surface, parts.shapes, parts.stress, parts.sections);
+  const std::string of_file = fmt::format("{}|{}|{}", path.string(), fs::file_size(path, none),
+                                          fs::last_write_time(path, none).time_since_epoch().count());
+  const auto key_with = [&](bool matrices) {
+    return fmt::format("{}|{}{}{}{}{}{}{}", of_file, matrices, parts.inertia, parts.stiffening, parts.surface,
+                       parts.shapes, parts.stress, parts.sections);
+  };
+  const std::string key = key_with(parts.matrices);
   {
     const std::scoped_lock lock(mutex_);
-    if (const auto found = superelements_.find(key); found != superelements_.end()) {
+    auto found = superelements_.find(key);
+    // A rigid body's needs no matrices, and is not disturbed by them.
+    if (found == superelements_.end()) found = superelements_.find(key_with(true));
+    if (found != superelements_.end()) {
       ++counts_["superelement"].reused;
       return found->second;
     }

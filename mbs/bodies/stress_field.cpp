@@ -16,12 +16,20 @@ double von_mises(const Stress& s) {
 
 StressField::StressField(const Eigen::MatrixXd& S, Eigen::Matrix3Xd x, std::vector<int> vertices,
                          const Eigen::MatrixXd& Y)
-    : x_(std::move(x)), vertices_(std::move(vertices)) {
-  if (S.cols() != Y.rows() || S.rows() != 6 * x_.cols() ||
+    : StressField(std::make_shared<const Eigen::MatrixXd>(S), std::move(x), std::move(vertices), Y) {}
+
+StressField::StressField(std::shared_ptr<const Eigen::MatrixXd> S, Eigen::Matrix3Xd x,
+                         std::vector<int> vertices, const Eigen::MatrixXd& Y)
+    : given_(std::move(S)), Y_(Y), x_(std::move(x)), vertices_(std::move(vertices)) {
+  if (given_->cols() != Y.rows() || given_->rows() != 6 * x_.cols() ||
       x_.cols() != static_cast<Eigen::Index>(vertices_.size()) || x_.cols() == 0)
     throw std::invalid_argument(fmt::format("stress modes of {} x {} do not fit {} places and {} shapes",
-                                            S.rows(), S.cols(), x_.cols(), Y.rows()));
-  S_ = S * Y;
+                                            given_->rows(), given_->cols(), x_.cols(), Y.rows()));
+}
+
+const Eigen::MatrixXd& StressField::everywhere() const {
+  std::call_once(once_, [this] { S_ = *given_ * Y_; });
+  return S_;
 }
 
 void StressField::set_compliance(std::vector<Eigen::Matrix<double, 6, 6>> compliance,
@@ -37,17 +45,21 @@ void StressField::set_compliance(std::vector<Eigen::Matrix<double, 6, 6>> compli
 void StressField::add_point(const std::string& name, const Eigen::Vector3d& wanted) {
   Point point{name, wanted};
   point.distance = std::sqrt((x_.colwise() - wanted).colwise().squaredNorm().minCoeff(&point.place));
+  point.S = given_->middleRows(6 * point.place, 6) * Y_;
   points_.push_back(std::move(point));
 }
 
 void StressField::set_loads(Eigen::MatrixXd of_loads) {
-  if (of_loads.size() > 0 && of_loads.rows() != S_.rows())
+  if (of_loads.size() > 0 && of_loads.rows() != given_->rows())
     throw std::invalid_argument("the stresses of preloads do not fit the places of the stress modes");
   of_loads_ = std::move(of_loads);
 }
 
 Stress StressField::at(int place, const double* s, const double* factors) const {
-  Stress sigma = S_.middleRows(6 * place, 6) * Eigen::Map<const Eigen::VectorXd>(s, S_.cols());
+  const Eigen::Map<const Eigen::VectorXd> by(s, Y_.cols());
+  const auto point = std::ranges::find(points_, place, &Point::place);
+  Stress sigma =
+      point != points_.end() ? Stress(point->S * by) : Stress(everywhere().middleRows(6 * place, 6) * by);
   if (factors && has_loads())
     sigma +=
         of_loads_.middleRows(6 * place, 6) * Eigen::Map<const Eigen::VectorXd>(factors, of_loads_.cols());
@@ -55,7 +67,7 @@ Stress StressField::at(int place, const double* s, const double* factors) const 
 }
 
 StressField::Largest StressField::largest(const double* s, const double* factors) const {
-  Eigen::VectorXd sigma = S_ * Eigen::Map<const Eigen::VectorXd>(s, S_.cols());
+  Eigen::VectorXd sigma = everywhere() * Eigen::Map<const Eigen::VectorXd>(s, Y_.cols());
   if (factors && has_loads())
     sigma += of_loads_ * Eigen::Map<const Eigen::VectorXd>(factors, of_loads_.cols());
   Largest out;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -26,9 +28,10 @@ class StressField {
   /// A place of which the whole history is wanted.
   struct Point {
     std::string name;
-    Eigen::Vector3d wanted;  ///< [m] in B
-    int place = 0;           ///< the nearest place with stress modes
-    double distance = 0.0;   ///< from there [m]
+    Eigen::Vector3d wanted;                        ///< [m] in B
+    int place = 0;                                 ///< the nearest place with stress modes
+    double distance = 0.0;                         ///< from there [m]
+    Eigen::Matrix<double, 6, Eigen::Dynamic> S{};  ///< of that place, with the basis worked in
   };
   struct Largest {
     double von_mises = 0.0;
@@ -36,11 +39,14 @@ class StressField {
   };
 
   /// `S` 6 n_s x n_se: stress modes at n_s places; `x` 3 x n_s where they are; `vertices` n_s their indices
-  /// on the superelement's surface; `Y` n_se x m.  Throws std::invalid_argument where sizes disagree.
+  /// on the superelement's surface; `Y` n_se x m.  Throws std::invalid_argument where sizes disagree.  S times Y at all
+  /// places is made where all places are asked for: for the few of stress points it costs more than a short run.
+  StressField(std::shared_ptr<const Eigen::MatrixXd> S, Eigen::Matrix3Xd x, std::vector<int> vertices,
+              const Eigen::MatrixXd& Y);
   StressField(const Eigen::MatrixXd& S, Eigen::Matrix3Xd x, std::vector<int> vertices,
               const Eigen::MatrixXd& Y);
 
-  int places() const { return static_cast<int>(S_.rows() / 6); }
+  int places() const { return static_cast<int>(given_->rows() / 6); }
   Eigen::Vector3d position(int place) const { return x_.col(place); }  ///< undeformed, in B
   /// Index of the place among the vertices of the superelement's surface.
   int vertex(int place) const { return vertices_[place]; }
@@ -65,7 +71,12 @@ class StressField {
   Largest largest(const double* s, const double* factors = nullptr) const;
 
  private:
-  Eigen::MatrixXd S_;  // 6 n_s x m
+  const Eigen::MatrixXd& everywhere() const;
+
+  std::shared_ptr<const Eigen::MatrixXd> given_;  // 6 n_s x n_se
+  Eigen::MatrixXd Y_;
+  mutable std::once_flag once_;
+  mutable Eigen::MatrixXd S_;  // 6 n_s x m
   Eigen::MatrixXd of_loads_;
   Eigen::Matrix3Xd x_;  // 3 x n_s
   std::vector<int> vertices_;

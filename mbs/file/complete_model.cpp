@@ -62,7 +62,7 @@ void prepare_bodies(ReadModel& model) {
     const auto [first_mesh, last_mesh] = model.meshes.equal_range(b);
     for (auto mesh = first_mesh; mesh != last_mesh; ++mesh)
       mesh->second->set_shapes(se->shapes.cast<double>() * data.Y);
-    if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, *se, data);
+    if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, se, data);
     if (wants_surface_points(s)) d.bodies[b].surface_points = read_surface_points(s, *se, &data);
     if (wants_sections(s)) d.bodies[b].sections = read_section_points(s, *se, data);
     d.bodies[b].flexible = body;

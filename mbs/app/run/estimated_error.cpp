@@ -22,10 +22,6 @@ using study::percent;
 
 namespace {
 
-// Energy that is off by more than this, and so many times more than the outputs, is no small error of theirs: it is of their
-// squares, and numerical damping takes some of what rings.
-constexpr double kEnergyTells = 0.01, kEnergyBeyond = 30.0;
-
 // The shadows are linear in what they correct; from here on their figure is no more than a warning.
 constexpr double kTrusted = 0.2;
 
@@ -132,7 +128,7 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judge
   const study::IntegratorEstimate* const check = judges.integrator;
   ErrorEstimate out;
   const double off = std::abs(result.energy.relative_error());
-  if (check && check->is_whole && off > std::max(kEnergyTells, kEnergyBeyond * check->error)) {
+  if (check && check->is_whole && study::energy_tells_more(off, check->error)) {
     out.sources.push_back(
         {"integrator",
          "",

@@ -185,8 +185,9 @@ bool wants_stress(const Section& s) {
   return s.flag("stress") || !s.table_map("stress_point").empty();
 }
 
-std::shared_ptr<const StressField> read_stress_field(const Section& s, const superelement::Superelement& se,
-                                                     const ModalData& body) {
+std::shared_ptr<const StressField> read_stress_field(
+    const Section& s, const std::shared_ptr<const superelement::Superelement>& of, const ModalData& body) {
+  const superelement::Superelement& se = *of;
   if (!se.stress || se.surface.vertices.rows() == 0)
     s.refuse(s.has("stress") ? "stress" : "stress_point", "the superelement has no stress modes",
              "reduce the part again with [recovery] stress = true");
@@ -194,7 +195,7 @@ std::shared_ptr<const StressField> read_stress_field(const Section& s, const sup
   Eigen::Matrix3Xd x(3, vertices.size());
   for (std::size_t k = 0; k < vertices.size(); ++k)
     x.col(k) = se.surface.vertices.row(vertices[k]).transpose();
-  auto field = std::make_shared<StressField>(se.stress->S, std::move(x),
+  auto field = std::make_shared<StressField>(std::shared_ptr<const MatrixXd>(of, &se.stress->S), std::move(x),
                                              std::vector<int>(vertices.begin(), vertices.end()), body.Y);
   field->set_loads(se.stress->of_loads);
   if (!se.stress->compliance.empty())

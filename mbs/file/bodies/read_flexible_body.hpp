@@ -45,9 +45,9 @@ std::shared_ptr<const SurfacePoints> read_surface_points(const input::Section& s
                                                          const ModalData* body);
 
 /// The stresses its table asks for; `se` with its stress modes and surface.  Throws InputError.
-std::shared_ptr<const StressField> read_stress_field(const input::Section& s,
-                                                     const superelement::Superelement& se,
-                                                     const ModalData& body);
+std::shared_ptr<const StressField> read_stress_field(
+    const input::Section& s, const std::shared_ptr<const superelement::Superelement>& se,
+    const ModalData& body);
 
 /// Builds the body; joints and forces of `d` are already there and its markers on interfaces have the
 /// interface's index as node, those on the nodes of `linked` the numbers behind.  Notes for the user are

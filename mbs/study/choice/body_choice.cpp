@@ -56,8 +56,10 @@ void BodyChoice::refine() {
     stiffened = true;
     return;
   }
-  candidate.modes = std::max(2, 2 * candidate.modes);
-  if (candidate.modes + candidate.responses >= available) {
+  // A screening that was wrong once is not asked how much more would do.
+  constexpr int kMore = 4, kLeast = 8;
+  candidate.modes = std::max(kLeast, kMore * candidate.modes);
+  if (2 * (candidate.modes + candidate.responses) >= available) {
     candidate.all = true;
     candidate.held = false;
     candidate.modes = available;

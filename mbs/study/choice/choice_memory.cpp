@@ -16,8 +16,8 @@ using Eigen::MatrixXd;
 
 std::string Chooser::key_of_choice() const {
   input::ContentHash hash;
-  hash.add_input_file(file_).add(fmt::format("choice 3 {:.17g}", accuracy_));
-  for (const std::string& word : given_)
+  hash.add_input_file(file_).add(fmt::format("choice 5 {:.17g}", accuracy_));
+  for (const std::string& word : given())
     hash.add(word.starts_with("parameters.") ? word.substr(0, word.find('=')) : word);
   std::set<std::string> files;
   for (const mbs::BodyDescription& body : as_given_.mechanism->description().bodies)
@@ -40,13 +40,13 @@ mbs::PreparationCache::Matrices Chooser::packed() const {
     const OutputEstimate& o = sizes_.outputs[static_cast<std::size_t>(i)];
     outputs.row(i) << o.scale, o.counts, o.size_rms;
   }
-  return {bodies, beams, outputs, MatrixXd::Constant(1, 1, span_)};
+  return {bodies, beams, outputs, MatrixXd{{span_, lost_at_}}};
 }
 
 bool Chooser::recall(const mbs::PreparationCache::Matrices& kept, const mbs::PreparedMechanism& rigid,
                      const std::vector<std::string>& overrides) {
   if (kept.size() != 4 || kept[0].rows() != static_cast<Index>(choices_.size()) || kept[0].cols() != 12 ||
-      kept[1].rows() != static_cast<Index>(beams_.size()) || kept[2].cols() != 3 || kept[3].size() != 1)
+      kept[1].rows() != static_cast<Index>(beams_.size()) || kept[2].cols() != 3 || kept[3].size() != 2)
     return false;
   Index i = 0;
   const auto is = [](double x) { return x != 0.0; };
@@ -83,6 +83,7 @@ bool Chooser::recall(const mbs::PreparationCache::Matrices& kept, const mbs::Pre
     o.size_rms = kept[2](i, 2);
   }
   span_ = kept[3](0, 0);
+  lost_at_ = kept[3](0, 1);
   return true;
 }
 

@@ -30,9 +30,10 @@
 /// the whole run's measure, the run stops and the body that contributes most gets more.  In its first half the run then begins
 /// anew; later it goes on from the last row at which half of that was left, with the deformation that the shadows had there.
 ///
-/// The tolerance follows from the accuracy by tol = accuracy / 1000 within [1e-9, 1e-4]: on the scenes of
-/// cases/trade that leaves the integrator a tenth of the error or less.  Its absolute part is a hundredth of
-/// it.
+/// Where a part of the screening shows that every such body needs all its deformations it ends there.
+///
+/// The tolerance begins loose and becomes finer where the run's own estimate of its integrator asks for it
+/// (tolerance_choice.hpp).  Its absolute part is a hundredth of it.
 namespace flexura::study {
 
 struct RowOfRun {

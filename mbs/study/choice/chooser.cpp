@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <ctime>
 #include <numbers>
@@ -30,6 +31,8 @@ constexpr double kAbsoluteFactor = 0.01;
 constexpr double kLargestOfLinear = 0.1;
 // Stiffening that costs less than this part of a body's share is left out unseen.
 constexpr double kOfShare = 0.1;
+// Parts of the run after which the screening looks whether anything but all deformations would do.
+constexpr std::array kLooksWhetherLost = {0.1, 0.3};
 constexpr double kUsualAccuracy = 0.01;  // of bodies with fidelity = "auto" in a run without accuracy
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -53,8 +56,7 @@ Chooser::Chooser(const mbs::PreparedMechanism& given, const std::filesystem::pat
     else if (is_open_beam(given, body))
       beams_.push_back({.body = body.name, .rigid = true, .reason = "", .elements = 0});
   if (accuracy_of(given) > 0.0) {
-    tolerance_ = std::clamp(1e-3 * accuracy_, 1e-9, 1e-4);
-    given_.push_back(fmt::format("solver.tolerance={:.3g}", *tolerance_));
+    tolerance_.emplace(accuracy_, given);
     given_.push_back(fmt::format("solver.absolute_factor={}", kAbsoluteFactor));
   }
 }
@@ -82,11 +84,11 @@ ChosenRun Chooser::run() {
     is_screened = true;
     leave_out(out.prepared, out.overrides);
     screen(out);
-    const bool ended = out.result.complete || out.result.stopped_as_told;
+    const bool ended = out.result.complete || out.result.stopped_as_told || lost_at_ >= 0.0;
     if (!ended && !choices_.empty() && !is_interrupted())
       keep_all_because(out.result.stopped_because);
     else if (!choices_.empty() && ended && out.has_estimate)
-      out.estimate.missed > 0.0 ? keep_all() : choose();
+      out.estimate.missed > 0.0 || lost_at_ >= 0.0 ? keep_all() : choose();
     return ended ? packed() : mbs::PreparationCache::Matrices();
   };
   if (can_be_rigid) {
@@ -112,6 +114,12 @@ ChosenRun Chooser::run() {
     out.screening_cpu = std::max(0.0, cpu_since() - out.result.wall_time);
     if (steps_ && out.result.complete) out.integrator = steps_->estimate();
     steps_.reset();
+    if (has_to_run_finer(out)) {
+      const double screening = seconds_since(start), screening_cpu = cpu_since();
+      out = simulate(out.prepared);
+      out.screening_wall += screening;
+      out.screening_cpu += screening_cpu;
+    }
   }
   for (const auto& [body, choice] : choices_)
     if (!without_influence_.contains(body)) out.reasons.push_back(choice.text(body));
@@ -123,9 +131,7 @@ ChosenRun Chooser::run() {
   out.reasons.insert(out.reasons.end(), restarts_.begin(), restarts_.end());
   out.restarts = static_cast<int>(restarts_.size());
   out.set = keys_of(out.overrides);
-  if (tolerance_)
-    out.reasons.push_back(
-        fmt::format("tolerance {:.1e}: a thousandth of the wanted {}", *tolerance_, percent(accuracy_)));
+  if (tolerance_) out.reasons.push_back(tolerance_->text());
   return out;
 }
 
@@ -133,8 +139,15 @@ mbs::PreparedMechanism Chooser::prepared(const std::vector<std::string>& words) 
   return mbs::prepare(file_, words, {}, as_given_.cache);
 }
 
-std::vector<std::string> Chooser::overrides() const {
+// What was given, with the present tolerance.
+std::vector<std::string> Chooser::given() const {
   std::vector<std::string> out = given_;
+  if (tolerance_) out.insert(out.end() - 1, tolerance_->word());  // before the absolute part
+  return out;
+}
+
+std::vector<std::string> Chooser::overrides() const {
+  std::vector<std::string> out = given();
   for (const auto& [body, choice] : choices_) {
     const auto words = choice.overrides(body);
     out.insert(out.end(), words.begin(), words.end());
@@ -175,12 +188,20 @@ void Chooser::screen(ChosenRun& out) {
   for (const BeamChoice& beam : beams_) names.push_back(beam.body);
   BeamScreening beams(*as_given_.mechanism, *out.prepared.mechanism, names);
   mbs::RunCallbacks mine = callbacks_;
+  const mbs::SolverOptions& o = out.prepared.options;
+  std::size_t next = 0;  // of kLooksWhetherLost
   mine.row = [&](const mbs::State& s, const VectorXd& v_dot, const mbs::EnergyAccount& energy) {
     out.rows.push_back({s, v_dot, energy});
     beams.take(s, v_dot);
     if (screening_) screening_->take(s, v_dot);
     if (shadows) shadows->take(s, v_dot);
+    if (next < kLooksWhetherLost.size() &&
+        s.t >= o.start_time + kLooksWhetherLost[next] * (o.end_time - o.start_time)) {
+      ++next;
+      if (looks_whether_lost_ && screening_ && all_are_lost()) lost_at_ = s.t;
+    }
   };
+  mine.stop_wanted = [&] { return lost_at_ >= 0.0 || (callbacks_.stop_wanted && callbacks_.stop_wanted()); };
   if (screening_) screening_->ask_for_looks(mine);
   if (shadows)
     shadows->ask_for_looks(mine,
@@ -195,7 +216,8 @@ void Chooser::screen(ChosenRun& out) {
     }
   };
   // Told only where this is the run that is kept.
-  if (tells_integrator_ && has_all()) steps_ = LaterGlobalError::make(out.prepared);
+  if ((tells_integrator_ || (tolerance_ && tolerance_->is_watched())) && has_all())
+    steps_ = LaterGlobalError::make(out.prepared);
   if (steps_) steps_->watch(mine);
   out.result =
       mbs::run(*out.prepared.mechanism, out.prepared.state, out.prepared.v_dot, out.prepared.options, mine);
@@ -205,7 +227,7 @@ void Chooser::screen(ChosenRun& out) {
   } else if (screening_ && screening_->has_shadows()) {
     out.has_estimate = true;
     out.estimate = sizes_ = screening_->estimate();
-    span_ = screening_->span();
+    span_ = lost_at_ < 0.0 ? screening_->span() : o.end_time - o.start_time;
   }
   choose_beams(beams.beams());
 }
@@ -223,11 +245,44 @@ void Chooser::choose_beams(const std::vector<ScreenedBeam>& screened) {
   }
 }
 
+// Of the accuracy, for the deformations that each open body leaves out.
+double Chooser::share_of_each() const {
+  // What is followed roughly has a tenth of its share.
+  return (sizes_.followed_roughly.empty() ? 1.0 : 0.1) * kShareOfModes * accuracy_ /
+         static_cast<double>(choices_.size() - without_influence_.size());
+}
+
+// A part of the run may be enough to see that nothing but all deformations will do.  Sizes of outputs are not known to its end,
+// so that the loss has to be several times too much; nor are spin and loads, which stiffen.
+bool Chooser::all_are_lost() {
+  constexpr double kSure = 2.0, kNearlyLost = 0.3;
+  if (!screening_->has_shadows() || !beams_.empty()) return false;
+  sizes_ = screening_->estimate();
+  const mbs::SolverOptions& o = as_given_.options;
+  const double whole = o.end_time - o.start_time, limit = kSure * share_of_each();
+  const auto& bodies = as_given_.mechanism->description().bodies;
+  const double part = std::sqrt(screening_->span() / whole);
+  std::vector<std::string> open;
+  for (const SourceEstimate& source : sizes_.by_body) {
+    if (!choices_.contains(source.body)) continue;
+    open.push_back(source.body);
+    if (source.error * part <= limit ||
+        has_stiffening_terms(*std::ranges::find(bodies, source.body, &mbs::BodyDescription::name)))
+      return false;
+  }
+  if (open.size() + without_influence_.size() != choices_.size()) return false;
+  for (const std::string& body : open)
+    if (const double loss = screening_->least_loss(body, limit, whole); loss <= limit) {
+      looks_whether_lost_ = loss > kNearlyLost * limit;
+      return false;
+    }
+  return true;
+}
+
 // A share of the budget for each body, those of least influence first: what one does not need is the others'.
 void Chooser::choose() {
-  // What is followed roughly has a tenth of its share.
-  double left = (sizes_.followed_roughly.empty() ? 1.0 : 0.1) * kShareOfModes * accuracy_;
   auto bodies = static_cast<double>(choices_.size() - without_influence_.size());
+  double left = share_of_each() * bodies;
   const auto spend = [&](double loss) {
     left = std::max(0.0, left - loss);
     bodies -= 1.0;
@@ -268,11 +323,17 @@ void Chooser::keep_all() {
     choice.rigid = false;
     choice.candidate.all = true;
     choice.candidate.modes = source.available;
-    choice.reason = fmt::format(
-        "forces change within {:.3g} s more often than is looked at beside rows {:.3g} s apart, which would "
-        "judge "
-        "fewer; a shorter run has that judged",
-        sizes_.missed, sizes_.rows_apart);
+    if (lost_at_ >= 0.0)
+      choice.reason =
+          fmt::format("rigid, {} is off by {} until t = {} s, and no smaller number keeps outputs within {}",
+                      source.output, percent(source.error), number(lost_at_, 3), percent(share_of_each()));
+    else
+      choice.reason = fmt::format(
+          "forces change within {:.3g} s more often than is looked at beside rows {:.3g} s apart, which "
+          "would "
+          "judge "
+          "fewer; a shorter run has that judged",
+          sizes_.missed, sizes_.rows_apart);
   }
 }
 

@@ -14,6 +14,7 @@
 #include "mbs/study/choice/body_choice.hpp"
 #include "mbs/study/choice/choose.hpp"
 #include "mbs/study/choice/screening.hpp"
+#include "mbs/study/choice/tolerance_choice.hpp"
 #include "mbs/study/estimate/later_global_error.hpp"
 
 namespace flexura::study {
@@ -50,6 +51,7 @@ class Chooser {
   };
 
   mbs::PreparedMechanism prepared(const std::vector<std::string>& words) const;
+  std::vector<std::string> given() const;
   std::vector<std::string> overrides() const;
   std::vector<std::string> overrides_of_beams() const;
   std::vector<std::string> keys_of(std::vector<std::string> overrides) const;
@@ -61,6 +63,8 @@ class Chooser {
   void keep_all_because(const std::string& why);
   void keep_all_of(const std::string& body, int available, const std::string& why);
   bool is_interrupted() const { return callbacks_.stop_wanted && callbacks_.stop_wanted(); }
+  bool all_are_lost();
+  double share_of_each() const;
   bool has_output_of_its_own(const std::string& body) const;
   void choose_body(const Screened& s, double share);
   std::vector<std::string> judged_with_stiffening() const;
@@ -73,9 +77,12 @@ class Chooser {
 
   ChosenRun simulate(const mbs::PreparedMechanism& screened);
   void refine_beams(ChosenRun& out);
-  std::string run_until_over(ChosenRun& out, const mbs::State& state, const Eigen::VectorXd& v_dot,
-                             const Good& start, Good& good, bool may_stop);
-  std::string worst_choice(const TruncationEstimate& estimate) const;
+  std::vector<std::string> run_until_over(ChosenRun& out, const mbs::State& state,
+                                          const Eigen::VectorXd& v_dot, const Good& start, Good& good,
+                                          bool may_stop);
+  std::string given_up_by_integrator(const ChosenRun& out);
+  bool has_to_run_finer(const ChosenRun& out);
+  std::vector<std::string> worst_choices(const TruncationEstimate& estimate) const;
   void go_on(ChosenRun& out, const Good& start, mbs::State& state, Eigen::VectorXd& v_dot);
   void add_part_before(ChosenRun& out, const Eigen::VectorXd& squares) const;
   void move_rows(ChosenRun& out, const mbs::Mechanism& to, std::size_t rows) const;
@@ -86,7 +93,7 @@ class Chooser {
   std::vector<std::string> given_;
   const mbs::RunCallbacks& callbacks_;
   bool tells_integrator_;
-  std::optional<double> tolerance_;
+  std::optional<ToleranceChoice> tolerance_;  // where an accuracy is asked for
   std::map<std::string, BodyChoice> choices_;
   std::set<std::string> without_influence_;  // open bodies that are rigid whatever they do
   std::vector<BeamChoice> beams_;
@@ -96,6 +103,10 @@ class Chooser {
   std::set<std::string> of_rigid_;           // names of quantities with the open bodies rigid
   TruncationEstimate sizes_;                 // what the screening says about the outputs' sizes
   double span_ = 0.0;
+  bool looks_whether_lost_ = true;  // while that may be
+  double lost_at_ =
+      -1.0;  // [s], where the screening was sure that every open body needs all its deformations; else -1
+  double integrator_spent_ = 0.0;  // of the run that was given up for it; else 0
   std::vector<std::string> restarts_;
   std::set<std::string> refined_;  // bodies with which the run has gone on with more
 };

@@ -23,7 +23,10 @@ constexpr double kStop = 0.7;
 // It goes on from where the error had used up this part of the accuracy (of the squares' integral).
 constexpr double kLastGood = 0.25 * kStop * kStop;
 constexpr int kMostRestarts = 6;
-constexpr double kSoon = 0.5;  // of the run
+// The outputs' sizes may grow behind the part of the run that a screening has seen that ended early.
+constexpr double kOfUnsureSizes = 0.85;
+constexpr double kEarly = 0.25;  // of the run
+constexpr double kSoon = 0.5;    // of the run
 // The energy book of a run that was restarted: as if it had not been.
 mbs::EnergyAccount continued(mbs::EnergyAccount now, const mbs::EnergyAccount& before) {
   now.start -= before.work_in - before.dissipated + before.error();
@@ -52,7 +55,7 @@ ChosenRun Chooser::simulate(const mbs::PreparedMechanism& screened) {
   const std::vector<std::string> stiffened = judged_with_stiffening();
   const bool bent = std::ranges::any_of(beams_, [](const BeamChoice& beam) { return !beam.rigid; });
   if (!stiffened.empty() || (full_ && bent)) {
-    std::vector<std::string> words = given_;
+    std::vector<std::string> words = given();
     const auto beams = overrides_of_beams();
     words.insert(words.end(), beams.begin(), beams.end());
     full_ = FullModel::make(screened, file_, words,
@@ -67,22 +70,40 @@ ChosenRun Chooser::simulate(const mbs::PreparedMechanism& screened) {
   double wall_before = 0.0;
   for (int attempt = 0;; ++attempt) {
     Good good;
-    const std::string worst = run_until_over(out, state, v_dot, start, good, attempt < kMostRestarts);
+    const std::vector<std::string> worst =
+        run_until_over(out, state, v_dot, start, good, attempt < kMostRestarts);
     add(out.result.counts, steps_before);
+    if (integrator_spent_ > 0.0 || has_to_run_finer(out)) {
+      if (integrator_spent_ > 0.0) restarts_.push_back(given_up_by_integrator(out));
+      start = {};
+      go_on(out, start, state, v_dot);
+      steps_before = out.result.counts;
+      wall_before += out.result.wall_time;
+      continue;
+    }
     if (worst.empty()) break;
-    BodyChoice& choice = choices_.at(worst);
-    refined_.insert(worst);
-    const std::string was = choice.what(worst);
-    choice.refine();
+    std::vector<std::string> was, is;
+    for (const std::string& body : worst) {
+      BodyChoice& choice = choices_.at(body);
+      refined_.insert(body);
+      was.push_back(choice.what(body));
+      choice.refine();
+      is.push_back(choice.what(body));
+    }
     const double t_stopped = out.result.state.t;
-    // What a run has lost that goes on is not known to its end; one that has just begun is cheap to begin anew.
-    const bool begins_anew = !start.is_there && t_stopped - start_time < kSoon * span_;
+    // What a run has lost that goes on is not known to its end; one that has just begun is cheap to begin anew, or that would go
+    // on from its beginning.
+    const bool begins_anew =
+        !start.is_there && (t_stopped - start_time < kSoon * span_ ||
+                            (good.is_there && good.state.t - start_time < kEarly * span_));
     if (good.is_there && !begins_anew) start = std::move(good);
+    // The part before is judged no more.
+    if (start.is_there && tolerance_) tolerance_->take_safe_one();
     go_on(out, start, state, v_dot);
-    restarts_.push_back(
-        fmt::format("{} had used up the accuracy at t = {} s; {} as {}", was, number(t_stopped, 3),
-                    start.is_there ? fmt::format("gone on from t = {} s", number(state.t, 3)) : "begun anew",
-                    choice.what(worst)));
+    restarts_.push_back(fmt::format(
+        "{} had used up the accuracy at t = {} s; {} as {}", fmt::join(was, "; "), number(t_stopped, 3),
+        start.is_there ? fmt::format("gone on from t = {} s", number(state.t, 3)) : "begun anew",
+        fmt::join(is, "; ")));
     steps_before = out.result.counts;
     wall_before += out.result.wall_time;
   }
@@ -123,15 +144,18 @@ void Chooser::refine_beams(ChosenRun& out) {
   }
 }
 
-// A run that uses up its accuracy is stopped where something can be refined: the body to refine.  Empty where
+// A run that uses up its accuracy is stopped where something can be refined: the bodies to refine.  Empty where
 // the run ended otherwise.
-std::string Chooser::run_until_over(ChosenRun& out, const mbs::State& state, const VectorXd& v_dot,
-                                    const Good& start, Good& good, bool may_stop) {
-  const auto shadows = full_ ? Shadows::make(out.prepared, *full_) : nullptr;
+std::vector<std::string> Chooser::run_until_over(ChosenRun& out, const mbs::State& state,
+                                                 const VectorXd& v_dot, const Good& start, Good& good,
+                                                 bool may_stop) {
+  const auto shadows = full_              ? Shadows::make(out.prepared, *full_)
+                       : choices_.empty() ? Shadows::make(out.prepared, file_, out.overrides)
+                                          : nullptr;
   VectorXd spent;
   if (shadows) spent = VectorXd::Zero(static_cast<Eigen::Index>(shadows->outputs().size()));
   if (start.is_there) spent = start.squares;
-  std::string to_refine;
+  std::vector<std::string> to_refine;
   mbs::RunCallbacks mine = callbacks_;
   mine.row = [&](const mbs::State& s, const VectorXd& a, const mbs::EnergyAccount& energy) {
     // The row from which the run goes on is there already.
@@ -140,7 +164,7 @@ std::string Chooser::run_until_over(ChosenRun& out, const mbs::State& state, con
     const VectorXd squares = spent + shadows->squares();
     const double error = worst_output(squares, span_, sizes_.outputs).first;
     if (error > kStop * accuracy_ && may_stop) {
-      to_refine = worst_choice(shadows->estimate());
+      to_refine = worst_choices(shadows->estimate());
       may_stop = !to_refine.empty();
     }
     if (error * error > kLastGood * accuracy_ * accuracy_ || (start.is_there && s.t <= state.t)) return;
@@ -152,10 +176,16 @@ std::string Chooser::run_until_over(ChosenRun& out, const mbs::State& state, con
   };
   if (shadows)
     shadows->ask_for_looks(mine, [&](const mbs::State& s, const VectorXd& a) { shadows->look(s, a); });
+  const bool is_watched = tolerance_ && tolerance_->is_watched() && !start.is_there;
+  const auto steps = tells_integrator_ || is_watched ? GlobalError::make(out.prepared) : nullptr;
+  integrator_spent_ = 0.0;
   mine.stop_wanted = [&] {
-    return !to_refine.empty() || (callbacks_.stop_wanted && callbacks_.stop_wanted());
+    if (const double spent = is_watched && steps ? steps->spent(sizes_.outputs) : 0.0;
+        tolerance_ && tolerance_->is_too_much(lost_at_ < 0.0 ? spent : kOfUnsureSizes * spent))
+      integrator_spent_ = spent;
+    return integrator_spent_ > 0.0 || !to_refine.empty() ||
+           (callbacks_.stop_wanted && callbacks_.stop_wanted());
   };
-  const auto steps = tells_integrator_ ? GlobalError::make(out.prepared) : nullptr;
   if (steps) steps->watch(mine);
   out.result = mbs::run(*out.prepared.mechanism, state, v_dot, out.prepared.options, mine);
   out.integrator.reset();
@@ -178,6 +208,33 @@ std::string Chooser::run_until_over(ChosenRun& out, const mbs::State& state, con
   if (start.is_there)
     add_part_before(out, shadows ? VectorXd(start.squares + shadows->squares()) : start.squares);
   return to_refine;
+}
+
+// The sentence of a run that its integrator has made too wrong; a finer tolerance for the next.
+std::string Chooser::given_up_by_integrator(const ChosenRun& out) {
+  const double before = tolerance_->value(), t = out.result.state.t;
+  tolerance_->give_up(integrator_spent_, span_ > 0.0 ? (t - out.prepared.options.start_time) / span_ : 1.0);
+  return fmt::format("tolerance {:.1e} had used up the accuracy at t = {} s; begun anew with {:.1e}", before,
+                     number(t, 3), tolerance_->value());
+}
+
+// A run that came to its end is asked what its integrator cost.
+bool Chooser::has_to_run_finer(const ChosenRun& out) {
+  if (!tolerance_ || !out.result.complete) return false;
+  const mbs::Sizes n = out.prepared.mechanism->sizes();
+  if (n.n_v + n.n_dyn == 0) return false;  // nothing to integrate
+  const double before = tolerance_->value();
+  if (!tolerance_->has_to_be_finer(out.integrator ? &*out.integrator : nullptr,
+                                   out.result.energy.relative_error(),
+                                   out.has_estimate ? out.estimate.error : 0.0))
+    return false;
+  restarts_.push_back(
+      fmt::format("tolerance {:.1e} {}; begun anew with {:.1e}", before,
+                  out.integrator && out.integrator->is_whole
+                      ? fmt::format("cost {} in {}", percent(out.integrator->error), out.integrator->output)
+                      : "cost what its steps do not tell",
+                  tolerance_->value()));
+  return true;
 }
 
 // What the modes cost that were left out until the run went on with more: of the whole run, with what is left out since.
@@ -208,13 +265,18 @@ void Chooser::add_part_before(ChosenRun& out, const VectorXd& squares) const {
   out.has_estimate = true;
 }
 
-// The chosen body that loses most among those to which something can be added.
-std::string Chooser::worst_choice(const TruncationEstimate& estimate) const {
-  for (const SourceEstimate& source : estimate.by_body)
-    if (const auto found = choices_.find(source.body);
-        found != choices_.end() && found->second.can_be_refined())
-      return source.body;
-  return "";
+// The chosen body that loses most among those to which something can be added, and those that lose nearly as much.
+std::vector<std::string> Chooser::worst_choices(const TruncationEstimate& estimate) const {
+  constexpr double kNearly = 0.5;
+  std::vector<std::string> out;
+  double most = 0.0;
+  for (const SourceEstimate& source : estimate.by_body) {
+    const auto found = choices_.find(source.body);
+    if (found == choices_.end() || !found->second.can_be_refined()) continue;
+    most = std::max(most, source.error);
+    if (source.error >= kNearly * most) out.push_back(source.body);
+  }
+  return out;
 }
 
 // The mechanism as it is chosen now, in the state of `start`, with the rows until there.

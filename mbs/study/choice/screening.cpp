@@ -19,7 +19,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr std::array kLadder = {0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
+constexpr std::array kLadder = {0, 1, 2, 4, 8, 16, 32, 64, 128};
+// Above this part of a body's deformations the shadows of those left out cost more than their modes would.
+constexpr double kWorthLeavingOut = 0.5;
+bool is_worth_it(Index kept, Index all) {
+  return static_cast<double>(kept) <= kWorthLeavingOut * static_cast<double>(all);
+}
 // A candidate is judged on about so many rows (on every second one a static arm seemed three times as wrong),
 // spin and stiffness on fewer.
 constexpr double kMostMemory = 256e6;  // [B] of linearised rows
@@ -122,9 +127,25 @@ std::optional<Screening::Basis> Screening::basis_of(const std::string& body,
   }
 }
 
-MatrixXd Screening::responses_of(const std::string& body) const {
-  const auto basis = basis_of(body, {"fidelity=static", "coupling=full"});
-  return basis ? basis->S : MatrixXd(block_of(body).m, 0);
+const MatrixXd& Screening::responses_of(const std::string& body) {
+  const auto [found, is_new] = responses_.try_emplace(body);
+  if (is_new) {
+    const auto basis = basis_of(body, {"fidelity=static", "coupling=full"});
+    found->second = basis ? basis->S : MatrixXd(block_of(body).m, 0);
+  }
+  return found->second;
+}
+
+// As many of them as any candidate has.
+const std::optional<Screening::Basis>& Screening::held_of(const std::string& body) {
+  const auto [found, is_new] = held_.try_emplace(body);
+  if (is_new) {
+    const ModalBlock& block = block_of(body);
+    const std::vector<int> ladder = ladder_alone(block, 0, static_cast<int>(block.m));
+    found->second = basis_of(body, {"fidelity=modal", "boundary=joint", "coupling=full", "attachments=none",
+                                    "max_frequency=", fmt::format("modes={}", ladder.back())});
+  }
+  return found->second;
 }
 
 // Of those again one in so many is compared: outputs cost more than the correction.  Where the shadows have followed the
@@ -151,7 +172,7 @@ double Screening::loss_of(const ModalBlock& block, const MatrixXd& S, const Vect
   Follower candidate(full_, rows_, rows_between(), shadows_->outputs(), block, S, extra_damping);
   ++effort_.candidates;
   VectorXd sum, y;
-  const double time = span();
+  const double time = goal.time;
   const std::size_t compared = rows_compared(), every = compared * rows_between();
   double loss = 0.0;
   for (std::size_t i = 0; loss <= goal.share && candidate.next(i % compared == 0 ? &y : nullptr);
@@ -188,17 +209,14 @@ Candidate Screening::judge(const ModalBlock& block, int modes, const MatrixXd& r
 
 // The fewest eigenmodes of the body as its joint holds it that do: two of them may do what twenty free ones do, for a bar
 // that a wall holds.  Their damping is that of the run, by their own ratios.
-std::optional<Candidate> Screening::fewest_held(const std::string& body, int fewer_than, Goal& goal) {
+std::optional<Candidate> Screening::fewest_held(const std::string& body, const std::vector<int>& ladder,
+                                                Goal& goal) {
+  if (ladder.empty()) return std::nullopt;
   const ModalBlock& block = block_of(body);
   // A rigid link is held together in a frame of its own.
   for (const mbs::BlindSpot& spot : run_.file.blind_spots)
     if (spot.has_own_frame && spot.name.starts_with(body + '.')) return std::nullopt;
-  std::vector<int> ladder;
-  for (const int modes : kLadder)
-    if (modes > 0 && modes < fewer_than && modes < block.m) ladder.push_back(modes);
-  if (ladder.empty()) return std::nullopt;
-  const auto held = basis_of(body, {"fidelity=modal", "boundary=joint", "coupling=full", "attachments=none",
-                                    "max_frequency=", fmt::format("modes={}", ladder.back())});
+  const std::optional<Basis>& held = held_of(body);
   if (!held || held->S.cols() < 1) return std::nullopt;
   std::optional<Candidate> found;
   std::size_t low = 0, high = ladder.size();
@@ -242,18 +260,51 @@ std::optional<Candidate> Screening::fewest(const ModalBlock& block, const std::v
   return found;
 }
 
+// Numbers of eigenmodes beside the response modes.
+std::vector<int> Screening::ladder_beside(const ModalBlock& block, const MatrixXd& responses) const {
+  std::vector<int> ladder;
+  for (const int modes : kLadder)
+    // Without eigenmodes as many responses as deformations are less work, too: nothing of them vibrates.
+    if (modes > 0 ? is_worth_it(modes + responses.cols(), block.m) : responses.cols() > 0)
+      ladder.push_back(modes);
+  return ladder;
+}
+
+// Numbers of eigenmodes alone.
+std::vector<int> Screening::ladder_alone(const ModalBlock& block, int more_than, int fewer_than) const {
+  std::vector<int> ladder;
+  for (const int modes : kLadder)
+    if (modes > more_than && modes < fewer_than && is_worth_it(modes, block.m)) ladder.push_back(modes);
+  return ladder;
+}
+
+double Screening::least_loss(const std::string& body, double share, double whole) {
+  if (n_rows_ < 2) return 0.0;
+  const ModalBlock& block = block_of(body);
+  const MatrixXd& responses = responses_of(body);
+  Goal goal{whole_of(block), shadows_->estimate().outputs, share, whole};
+  double least = std::numeric_limits<double>::infinity();
+  const auto ask = [&](const std::vector<int>& ladder, const auto& fewest_of) {
+    if (ladder.empty()) return;
+    if (const auto found = fewest_of(std::vector<int>{ladder.back()})) least = std::min(least, found->loss);
+  };
+  const auto alone = ladder_alone(block, 0, static_cast<int>(block.m));
+  ask(ladder_beside(block, responses),
+      [&](const auto& most) { return fewest(block, most, responses, goal); });
+  ask(alone, [&](const auto& most) { return fewest(block, most, MatrixXd(block.m, 0), goal); });
+  ask(alone, [&](const auto& most) { return fewest_held(body, most, goal); });
+  return least;
+}
+
 Candidate Screening::cheapest(const std::string& body, double share) {
   const ModalBlock& block = block_of(body);
-  const MatrixXd responses = responses_of(body);
+  const MatrixXd& responses = responses_of(body);
   Candidate best;
   best.modes = static_cast<int>(block.m);
   best.all = true;
   best.highest_hz = hz(stiffness_of(full_, block)(block.m - 1));
-  std::vector<int> ladder, plain;
-  for (const int modes : kLadder)
-    // Without eigenmodes as many responses as deformations are less work, too: nothing of them vibrates.
-    if (modes > 0 ? modes + responses.cols() < block.m : responses.cols() > 0) ladder.push_back(modes);
-  Goal goal{whole_of(block), shadows_->estimate().outputs, share};
+  const std::vector<int> ladder = ladder_beside(block, responses);
+  Goal goal{whole_of(block), shadows_->estimate().outputs, share, span()};
   int lost = ladder.empty() ? 0 : ladder.back();  // modes that are too few
   if (const auto found = fewest(block, ladder, responses, goal)) {
     best = *found;
@@ -262,13 +313,13 @@ Candidate Screening::cheapest(const std::string& body, double share) {
   // Eigenmodes alone where fewer coordinates do as well; nothing beats response modes alone.  What is too few with response
   // modes is so without them.
   if (best.modes == 0) return best;
-  for (const int modes : kLadder)
-    if (modes > lost && modes < best.modes + best.responses) plain.push_back(modes);
-  if (auto found = fewest(block, plain, MatrixXd(block.m, 0), goal)) {
+  if (auto found =
+          fewest(block, ladder_alone(block, lost, best.modes + best.responses), MatrixXd(block.m, 0), goal)) {
     found->plain = true;
     best = *found;
   }
-  if (const auto found = fewest_held(body, best.modes + best.responses, goal)) best = *found;
+  if (const auto found = fewest_held(body, ladder_alone(block, 0, best.modes + best.responses), goal))
+    best = *found;
   return best;
 }
 

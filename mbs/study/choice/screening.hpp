@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -69,6 +70,10 @@ class Screening {
   /// What the run says about each body; `for_bodies` limits the more expensive part to these.
   std::vector<Screened> bodies(const std::vector<std::string>& for_bodies);
 
+  /// Of a run that is under way, `whole` [s] long: what the best candidate that is worth it has lost so far, whatever comes, since
+  /// squares only add up; relative to the outputs' sizes so far.  Infinite where that is more than `share` with each.
+  double least_loss(const std::string& body, double share, double whole);
+
   /// The cheapest candidate for the body whose loss (relative rms of the worst output) stays within `share`;
   /// the finest where none does.
   Candidate cheapest(const std::string& body, double share);
@@ -85,6 +90,7 @@ class Screening {
     WholeBody whole;
     std::vector<OutputEstimate> outputs;
     double share = 0.0;
+    double time = 0.0;  // [s] of the whole run
   };
   std::size_t rows_between() const;
   std::size_t rows_compared() const;
@@ -97,8 +103,11 @@ class Screening {
     Eigen::VectorXd damping;
   };
   std::optional<Basis> basis_of(const std::string& body, const std::vector<std::string>& words) const;
-  Eigen::MatrixXd responses_of(const std::string& body) const;
-  std::optional<Candidate> fewest_held(const std::string& body, int fewer_than, Goal& goal);
+  const Eigen::MatrixXd& responses_of(const std::string& body);
+  const std::optional<Basis>& held_of(const std::string& body);
+  std::vector<int> ladder_beside(const ModalBlock& block, const Eigen::MatrixXd& responses) const;
+  std::vector<int> ladder_alone(const ModalBlock& block, int more_than, int fewer_than) const;
+  std::optional<Candidate> fewest_held(const std::string& body, const std::vector<int>& ladder, Goal& goal);
   WholeBody whole_of(const ModalBlock& block);
   double loss_of(const ModalBlock& block, const Eigen::MatrixXd& S, const Eigen::VectorXd& extra_damping,
                  Goal& goal);
@@ -118,6 +127,8 @@ class Screening {
   long last_number_ = 0;    // of the linearised rows kept
   double memory_ = 0.0;     // [B], of these
   Effort effort_;
+  std::map<std::string, Eigen::MatrixXd> responses_;
+  std::map<std::string, std::optional<Basis>> held_;
 };
 
 }  // namespace flexura::study

@@ -160,7 +160,7 @@ void ElementsCheck::judge(bool few, const mbs::RunCallbacks& callbacks, Elements
     outputs_[i].rms = rms(near.squares, i);
     outputs_[i].size_rms = rms(near.sizes, i);
   }
-  families_.judge(outputs_, !run_.file.outputs.empty(), run_.options.tolerance, Families::Of::run);
+  families_.judge(outputs_, !run_.file.outputs.empty(), tolerance_of_noise(run_), Families::Of::run);
   const auto relative = [&](const OutputRows::Difference& d, std::size_t i) {
     return std::sqrt(d.squares(static_cast<Index>(i)) / static_cast<double>(d.rows)) / outputs_[i].scale;
   };

@@ -41,9 +41,8 @@ void scatter(const std::vector<int>& from, const VectorXd& full, VectorXd& x) {
     if (from[i] >= 0) x(from[i]) = full(static_cast<Index>(i));
 }
 
-MatrixXd deformations_of(const std::string& superelement, const MatrixXd& Y_full, const MatrixXd& Y_run) {
-  const superelement::Superelement se =
-      superelement::read(superelement, {.matrices = true, .inertia = false});
+MatrixXd deformations_of(const superelement::Superelement& se, const MatrixXd& Y_full,
+                         const MatrixXd& Y_run) {
   // Displacements and rotations weigh by their inertia.
   const VectorXd scale = se.M_se.diagonal().cwiseSqrt();
   MatrixXd basis(Y_full.rows(), Y_full.cols() + 6);
@@ -127,6 +126,7 @@ std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run,
   }
   std::unique_ptr<FullModel> out(new FullModel(std::make_unique<mbs::Mechanism>(std::move(all.description))));
   out->samples_ = std::move(samples);
+  out->cache_ = run.cache ? run.cache : std::make_shared<mbs::PreparationCache>();
   out->take_start(run);
   return out;
 }
@@ -296,7 +296,8 @@ Embedding::Embedding(const mbs::Mechanism& run, const FullModel& full)
       mine.at = at - (mine.one_way ? zero.c.data() : zero.p.data());
       mine.rate_at = mine.one_way ? mine.at + deforms->m() : v_run.at(block.name + ".mode_1_rate");
       const auto& whole = all.description().bodies[static_cast<std::size_t>(block.body)];
-      mine.S = deformations_of(whole.superelement, whole.flexible->modal()->Y, deforms->modal()->Y);
+      mine.S = deformations_of(*full.cache_->read(whole.superelement, {}), whole.flexible->modal()->Y,
+                               deforms->modal()->Y);
       mine.complete = !mine.one_way && is_the_same(*whole.flexible->modal(), *deforms->modal(), mine.S);
     }
     blocks_.push_back(std::move(mine));

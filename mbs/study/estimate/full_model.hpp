@@ -89,6 +89,7 @@ class FullModel {
   void take_start(const mbs::PreparedMechanism& run);
   void take_states(LinearisedRow& row);
 
+  std::shared_ptr<mbs::PreparationCache> cache_;  // of superelements that were read
   std::unique_ptr<mbs::Mechanism> mechanism_;
   std::unique_ptr<mbs::Equations::Scratch> scratch_;
   std::unique_ptr<mbs::Tangents> tangents_;

@@ -144,6 +144,23 @@ void GlobalError::compare(const mbs::State& s, const VectorXd& v_dot) {
   if (compared_++ % kForFamilies == 0) families_.take(s, v_dot);
 }
 
+double GlobalError::spent(const std::vector<OutputEstimate>& outputs) {
+  if (scales_.empty())
+    for (const OutputEstimate& mine : outputs_) {
+      const auto known = std::ranges::find(outputs, mine.name, &OutputEstimate::name);
+      scales_.push_back(known != outputs.end() && known->counts ? known->scale : 0.0);
+    }
+  const mbs::SolverOptions& o = run_.options;
+  const double rows = 1.0 + (o.end_time - o.start_time) / o.output_step / static_cast<double>(every_);
+  double worst = 0.0;
+  for (std::size_t i = 0; i < scales_.size(); ++i)
+    if (const auto k = static_cast<Eigen::Index>(i); scales_[i] > 0.0) {
+      const double so_far = std::sqrt(sizes_(k) / std::max(1.0, static_cast<double>(compared_)));
+      worst = std::max(worst, std::sqrt(squares_(k) / rows) / std::max(scales_[i], so_far));
+    }
+  return worst;
+}
+
 IntegratorEstimate GlobalError::estimate() {
   const Clock clock(wall_);
   advance(true);
@@ -158,7 +175,7 @@ IntegratorEstimate GlobalError::estimate() {
     outputs_[i].rms = std::sqrt(squares_(static_cast<Eigen::Index>(i)) / count);
     outputs_[i].size_rms = std::sqrt(sizes_(static_cast<Eigen::Index>(i)) / count);
   }
-  families_.judge(outputs_, !run_.file.outputs.empty(), run_.options.tolerance, Families::Of::run);
+  families_.judge(outputs_, !run_.file.outputs.empty(), tolerance_of_noise(run_), Families::Of::run);
   const auto [error, worst] = worst_output(squares_, count, outputs_);
   if (worst >= 0) out.output = outputs_[static_cast<std::size_t>(worst)].name;
   out.note = why_unknown(error);

@@ -36,6 +36,9 @@ class GlobalError {
   void watch(mbs::RunCallbacks& callbacks);
 
   IntegratorEstimate estimate();
+  /// Of a run under way: what its error has come to, relative to the whole run's rms of the worst of `outputs` (found by their
+  /// names) or to its own so far, if no more came to it.
+  double spent(const std::vector<OutputEstimate>& outputs);
   double wall() const { return wall_; }  ///< [s] that all this took
 
  private:
@@ -51,6 +54,7 @@ class GlobalError {
   mbs::LoopCloser closer_;
   std::unique_ptr<mbs::Equations::Scratch> scratch_;
   std::vector<OutputEstimate> outputs_;  // before which_, which fills it
+  std::vector<double> scales_;           // of spent(): what an error is relative to; 0: it does not count
   std::vector<int> which_;
   Families families_;
   long every_ = 1, rows_ = 0, compared_ = 0;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -24,6 +25,11 @@ std::optional<double> power_of(const mbs::SolverOptions& options) {
 }
 
 }  // namespace
+
+bool energy_tells_more(double relative_energy_error, double estimated_error) {
+  constexpr double kTells = 0.01, kBeyond = 30.0;
+  return std::abs(relative_energy_error) > std::max(kTells, kBeyond * estimated_error);
+}
 
 std::unique_ptr<IntegratorCheck> IntegratorCheck::make(const mbs::PreparedMechanism& run) {
   const std::optional<double> power = power_of(run.options);
@@ -78,7 +84,7 @@ IntegratorEstimate IntegratorCheck::estimate(const mbs::RunCallbacks& callbacks)
     outputs_[i].rms = std::sqrt(off.squares(static_cast<Eigen::Index>(i)) / count) / times;
     outputs_[i].size_rms = std::sqrt(off.sizes(static_cast<Eigen::Index>(i)) / count);
   }
-  families_.judge(outputs_, !run_.file.outputs.empty(), run_.options.tolerance, Families::Of::run);
+  families_.judge(outputs_, !run_.file.outputs.empty(), tolerance_of_noise(run_), Families::Of::run);
   const auto [error, worst] = worst_output(off.squares, count, outputs_);
   out.error = error / times;
   if (worst >= 0) out.output = outputs_[static_cast<std::size_t>(worst)].name;

@@ -33,6 +33,10 @@ struct IntegratorEstimate {
   double wall = 0.0;     ///< [s] that it took
 };
 
+/// A balance of energy that is off by so much tells of more than a small error of the outputs: it is of their squares, and
+/// numerical damping takes some of what rings.
+bool energy_tells_more(double relative_energy_error, double estimated_error);
+
 class IntegratorCheck {
  public:
   /// Null where nothing is integrated: kinematics, quasi_statics, no outputs.  `run` outlives it.

@@ -106,6 +106,11 @@ std::vector<int> judged_outputs(const mbs::PreparedMechanism& run, const mbs::Me
   return outputs;
 }
 
+double tolerance_of_noise(const mbs::PreparedMechanism& run) {
+  const double accuracy = run.file.solver.quantity("accuracy");
+  return accuracy > 0.0 ? std::min(run.options.tolerance, 1e-3 * accuracy) : run.options.tolerance;
+}
+
 long rows_between(const mbs::PreparedMechanism& run) {
   const mbs::SolverOptions& o = run.options;
   return std::max(1L, static_cast<long>((o.end_time - o.start_time) / o.output_step / kMostRows));

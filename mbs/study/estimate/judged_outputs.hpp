@@ -48,6 +48,10 @@ std::pair<double, int> worst_output(const Eigen::VectorXd& squares, double span,
 std::vector<int> judged_outputs(const mbs::PreparedMechanism& run, const mbs::Mechanism& full,
                                 std::vector<OutputEstimate>& outputs);
 
+/// By which tolerance an output is noise beside its family: where an accuracy is asked for a thousandth of it at most, however
+/// loosely the run begins.
+double tolerance_of_noise(const mbs::PreparedMechanism& run);
+
 /// Of a run's rows one in so many is looked at, 400 to 800 in all.
 long rows_between(const mbs::PreparedMechanism& run);
 

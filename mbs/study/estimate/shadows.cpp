@@ -24,7 +24,7 @@ struct Shadows::Impl {
       : full(full_model),
         embedding(*run.mechanism, full_model),
         asked(!run.file.outputs.empty()),
-        tolerance(run.options.tolerance),
+        tolerance(tolerance_of_noise(run)),
         families(full_model.mechanism(), length_of(run)),
         every(rows_between(run)),
         compared(std::max(
@@ -51,6 +51,8 @@ struct Shadows::Impl {
   Families families;
   bool joints_feel_nothing = false;
   long every = 1, compared = 1, rows = 0, even_rows = 0, taken = 0;
+  long for_families =
+      1;  // one of so many even rows tells how large forces and motions are: all outputs cost much more than a few
   double t_compared = 0.0;
   double wall = 0.0, t = 0.0, span = 0.0;
   double missed = 0.0, rows_apart = 0.0;
@@ -179,6 +181,9 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
   in.outputs = judged_outputs(run, full.mechanism(), in.sums);
   constexpr std::size_t kMostLooks = 400;
   in.rows_apart = static_cast<double>(in.every) * run.options.output_step;
+  constexpr double kRowsForFamilies = 100.0;
+  in.for_families = std::max(1L, static_cast<long>((run.options.end_time - run.options.start_time) /
+                                                   in.rows_apart / kRowsForFamilies));
   mbs::KnownTimes::Looks looks =
       mbs::KnownTimes::looks(*run.mechanism, run.options, in.rows_apart, kMostLooks);
   in.look_at = std::move(looks.t);
@@ -233,7 +238,7 @@ bool Shadows::Impl::follow(const mbs::State& at, const VectorXd& v_dot_at, bool 
     t_compared = at.t;
   }
   // Sizes are means over rows, which lie evenly.
-  if (is_row && even_rows++ % compared == 0) families.take(s, v_dot);
+  if (is_row && even_rows++ % for_families == 0) families.take(s, v_dot);
   t = at.t;
   ++taken;
   wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -9,6 +9,7 @@
 
 #include "mbs/mechanism/describe.hpp"
 #include "mbs/study/choice/screening.hpp"
+#include "mbs/study/choice/tolerance_choice.hpp"
 #include "mbs/study/estimate/spectrum.hpp"
 #include "mbs/superelement/file.hpp"
 #include "tests/app/command.hpp"
@@ -311,6 +312,59 @@ TEST_F(Choosing, TheScreeningGivesUpACandidateWhereItIsLost) {
   // Any loss is as good as none where all may be lost: the first bisection takes response modes alone.
   EXPECT_EQ(screening.cheapest("beam", 1e9).modes, 0);
   EXPECT_LE(screening.effort().candidates - both.candidates, 4);
+  // A part of the run is enough where it has lost too much: never where all may be lost, and of a run that is a hundred times as
+  // long what is lost so far is a tenth.
+  EXPECT_GT(screening.least_loss("beam", 0.0, screening.span()), 0.0);
+  const double loss = screening.least_loss("beam", 1e9, screening.span());
+  EXPECT_LE(loss, some.loss);
+  EXPECT_NEAR(screening.least_loss("beam", 1e9, 100.0 * screening.span()), loss / 10.0, 1e-12 * loss);
+}
+
+// A loose one first; where the estimate is above 0.4 of the accuracy a finer one, once as E ~ tol^0.6 has it, then a thousandth of
+// the accuracy, which is not watched any more.
+TEST_F(Choosing, ToleranceFollowsWhatTheRunTellsOfItsIntegrator) {
+  const mbs::PreparedMechanism smooth = mbs::prepare(clamped_);
+  IntegratorEstimate told;
+  ToleranceChoice choice(0.01, smooth);
+  EXPECT_EQ(choice.word(), "solver.tolerance=0.0003");
+  EXPECT_TRUE(choice.is_watched());
+  EXPECT_TRUE(choice.is_too_much(0.0041));
+  EXPECT_FALSE(choice.is_too_much(0.0039));
+  told.error = 0.0024;
+  EXPECT_FALSE(choice.has_to_be_finer(&told, 0.0, 0.005));
+  told.error = 0.0035;  // beside 0.0045 of modes that is more than three quarters
+  EXPECT_FALSE(ToleranceChoice(choice).has_to_be_finer(&told, 0.0, 0.0));
+  EXPECT_TRUE(ToleranceChoice(choice).has_to_be_finer(&told, 0.0, 0.0045));
+  told.error = 0.008;
+  EXPECT_TRUE(choice.has_to_be_finer(&told, 0.0, 0.0));
+  EXPECT_EQ(choice.value(), 3e-5);  // 3e-4 (0.2 / 0.8)^(1 / 0.6), to two digits
+  EXPECT_TRUE(choice.has_to_be_finer(&told, 0.0, 0.0));
+  EXPECT_EQ(choice.value(), 1e-5);
+  EXPECT_FALSE(choice.is_watched());
+  EXPECT_FALSE(choice.has_to_be_finer(&told, 0.0, 0.0));
+  // What is not told, or energy that tells of more.
+  ToleranceChoice unknown(0.01, smooth), leaps(0.01, smooth);
+  EXPECT_TRUE(unknown.has_to_be_finer(nullptr, 0.0, 0.0));
+  EXPECT_EQ(unknown.value(), 1e-5);
+  told.error = 1e-4;
+  EXPECT_TRUE(leaps.has_to_be_finer(&told, 0.02, 0.0));
+  EXPECT_EQ(leaps.value(), 1e-5);
+  // A contact switches.
+  const auto stop = folder_.write("stop.toml", std::string(bars::kClamped) + R"toml(
+[ground.marker.bed]
+position = [1.1, -0.205, 0.1]
+axis = [0, 1, 0]
+[force.bed]
+type = "contact"
+from = "ground.bed"
+to = "beam.right"
+radius = 0.005
+stiffness = 1e6
+damping = 100
+)toml");
+  const ToleranceChoice safe(0.01, mbs::prepare(stop));
+  EXPECT_EQ(safe.value(), 1e-5);
+  EXPECT_FALSE(safe.is_watched());
 }
 
 TEST_F(Choosing, OnlyOpenBodiesAreChosen) {
@@ -318,7 +372,7 @@ TEST_F(Choosing, OnlyOpenBodiesAreChosen) {
   EXPECT_TRUE(is_to_be_chosen(mbs::prepare(clamped_, {"body.beam.fidelity=auto"})));
   const ChosenRun fixed =
       run(clamped_, {"solver.accuracy=0.1", "body.beam.fidelity=modal", "body.beam.modes=2"});
-  EXPECT_THAT(fixed.reasons, ::testing::ElementsAre(HasSubstr("tolerance 1.0e-04")));
+  EXPECT_THAT(fixed.reasons, ::testing::ElementsAre(HasSubstr("tolerance 1.0e-03")));
   EXPECT_THAT(fixed.overrides, Not(Contains("body.beam.modes=")));
 }
 
