@@ -13,7 +13,7 @@ namespace flexura::study {
 /// How large the error is that a tolerance makes depends on what rings, by a factor of a thousand between the scenes of
 /// cases/trade: of a tenth of a per cent that was asked for, two controlled links need 1e-3 and a pendulum's hinge 1e-6.  So a
 /// run begins with a loose one, tol = 0.03 accuracy within [1e-9, 1e-3], and its integrator's share is estimated as it goes
-/// (global_error.hpp).  Where that exceeds 0.4 of the accuracy the run is given up and begun anew with a finer one, once as the
+/// (global_error.hpp).  Where that exceeds 0.35 of the accuracy the run is given up and begun anew with a finer one, once as the
 /// estimate says and then with the safe one, tol = accuracy / 1000 within [1e-9, 1e-4], which on the scenes of cases/trade leaves
 /// the integrator a tenth of the error or less.
 ///
