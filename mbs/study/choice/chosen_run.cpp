@@ -220,7 +220,7 @@ std::string Chooser::given_up_by_integrator(const ChosenRun& out) {
 
 // A run that came to its end is asked what its integrator cost.
 bool Chooser::has_to_run_finer(const ChosenRun& out) {
-  if (!tolerance_ || !out.result.complete) return false;
+  if (!tolerance_ || !(out.result.complete || out.result.stopped_as_told)) return false;
   const mbs::Sizes n = out.prepared.mechanism->sizes();
   if (n.n_v + n.n_dyn == 0) return false;  // nothing to integrate
   const double before = tolerance_->value();
