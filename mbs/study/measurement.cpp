@@ -230,6 +230,7 @@ class Laboratory {
     input::ContentHash hash;
     hash.add(flexura_).add(machine_).add_input_file(study_.mechanism).add(study_.run);
     if (study_.compares_designs()) hash.add("without estimate");
+    if (study_.times_estimates) hash.add("timed with estimates");
     task.command = {programs_.flexura.string(), "simulate", fs::absolute(study_.mechanism).string(), "-q"};
     if (!study_.run.empty()) task.command.insert(task.command.end(), {"--run", study_.run});
     std::vector<std::string> set;
@@ -265,12 +266,11 @@ class Laboratory {
     return task;
   }
 
-  ChildOutcome simulate(const Task& task, const fs::path& output, bool with_estimate) const {
+  ChildOutcome simulate(const Task& task, const fs::path& output, bool is_timed) const {
     std::vector<std::string> command = task.command;
     // Timed runs prepare their bodies as a run by itself does.
-    if (with_estimate)
-      command.insert(command.end(), {"--cache", (cache_ / "bodies").string()});
-    else
+    if (!is_timed) command.insert(command.end(), {"--cache", (cache_ / "bodies").string()});
+    if (study_.compares_designs() || (is_timed && !study_.times_estimates))
       command.push_back("--no-estimate");
     command.insert(command.end(), {"-o", output.string()});
     return run_child(command, cache_, {study_.time_limit, study_.cpu_is_cost});
@@ -279,7 +279,7 @@ class Laboratory {
   void first_run(const Task& task) {
     if (!options_.fresh && store_->is_there(task.key, ".h5")) return;
     const StudyCache::Passing beside{store_->path(task.key, ("." + scratch_mark() + "first").c_str())};
-    const ChildOutcome outcome = simulate(task, beside.path, !study_.compares_designs());
+    const ChildOutcome outcome = simulate(task, beside.path, false);
     if (outcome.exit_code == 2) {
       const std::lock_guard lock(guard_);
       refused_[task.key] = refusal(outcome);
@@ -313,7 +313,7 @@ class Laboratory {
         CacheEntry entry = store_->entry_of(task.key);
         if (entry.failure.empty() && static_cast<int>(entry.wall.size()) < round) {
           const StudyCache::Passing scratch{store_->path(task.key, ("." + scratch_mark() + "again").c_str())};
-          const ChildOutcome outcome = simulate(task, scratch.path, false);
+          const ChildOutcome outcome = simulate(task, scratch.path, true);
           entry.wall.push_back(outcome.wall);
           entry.cpu.push_back(outcome.cpu);
           entry.peak_memory = std::max(entry.peak_memory, outcome.peak_memory);

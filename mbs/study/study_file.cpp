@@ -344,6 +344,9 @@ in::TableSchema study_schema() {
                  "time that the front and the answers count: wall time, or on a busy machine the processor's")
           .or_default("wall"),
       in::integer("repeats", "runs of each choice; the median time counts").or_default("3").at_least(1),
+      in::flag("estimates",
+               "runs are timed with the estimates of their errors, as a user's run is; else without")
+          .or_default("false"),
       in::quantity("time_limit", in::dim::time,
                    "a run that takes longer is ended and counts as failed; where cost is \"cpu\" it is "
                    "processor time, and ten times as much by the clock")
@@ -378,6 +381,7 @@ StudyFile read_study(const std::filesystem::path& file, const std::vector<std::s
   study.set = root.texts("set");
   study.cpu_is_cost = root.text("cost") == "cpu";
   study.repeats = root.integer("repeats");
+  study.times_estimates = root.flag("estimates");
   study.time_limit = root.quantity("time_limit");
   study.parts = read_parts(root);
   read_choices(root, study);

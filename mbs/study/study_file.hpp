@@ -56,7 +56,8 @@ struct StudyFile {
   std::string run;               ///< of the mechanism file; "" for its only one
   std::vector<std::string> set;  ///< for all choices
   int repeats = 3;
-  double time_limit = 0.0;  ///< [s] for one run
+  bool times_estimates = false;  ///< runs are timed with the estimates of their errors
+  double time_limit = 0.0;       ///< [s] for one run
   std::vector<Part> parts;
   std::vector<Choice> choices;  ///< from coarse to fine: the last one is the finest
   Choice reference;
