@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kLoose = 0.03, kLoosest = 1e-3, kFinest = 1e-9;
 constexpr double kSafe = 1e-3, kLoosestSafe = 1e-4;
-// Of the accuracy: what the integrator may take, whatever the modes do (its estimate was 0.39 of the truth at least on these scenes); what it may take in any case; and both together.
+// Of the accuracy: what the integrator may take, whatever the modes do (its estimate was 0.39 of the truth at least on
+// the scenes of cases/trade); what it may take in any case; and both together.
 constexpr double kShare = 0.35, kSure = 0.25, kBoth = 0.75;
 // The error of what rings went with the tolerance to this power, from 1e-3 to 1e-6 with Radau IIA (pendulum, four-bar).
 constexpr double kPower = 0.6;

@@ -37,7 +37,7 @@ class ToleranceChoice {
   /// For what goes on without being judged as a whole.
   void take_safe_one();
 
-  /// "tolerance 3e-04: the integrator's share is told by the run".
+  /// "tolerance 3.0e-04: what it costs of the wanted 1 % is estimated as the run goes".
   std::string text() const;
 
  private:

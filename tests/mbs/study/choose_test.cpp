@@ -57,6 +57,20 @@ end_time = "20 s"
 output_step = "0.1 s"
 )toml";
 
+// Something for the clamped bar to knock against.
+const char* const kBed = R"toml(
+[ground.marker.bed]
+position = [1.1, -0.205, 0.1]
+axis = [0, 1, 0]
+[force.bed]
+type = "contact"
+from = "ground.bed"
+to = "beam.right"
+radius = 0.005
+stiffness = 1e6
+damping = 100
+)toml";
+
 class Choosing : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -119,18 +133,7 @@ TEST_F(Choosing, AStiffSlowSceneComesOutRigid) {
 
 // Rigid, the bar has no coordinate at all: IDA, which then fails beside a switch, has no state to name.
 TEST_F(Choosing, AWeldedBarBetweenStopsIsChosenFor) {
-  const auto file = folder_.write("stops.toml", std::string(bars::kClamped) + R"toml(
-[ground.marker.bed]
-position = [1.1, -0.205, 0.1]
-axis = [0, 1, 0]
-[force.bed]
-type = "contact"
-from = "ground.bed"
-to = "beam.right"
-radius = 0.005
-stiffness = 1e6
-damping = 100
-)toml");
+  const auto file = folder_.write("stops.toml", std::string(bars::kClamped) + kBed);
   const ChosenRun chosen =
       run(file, {"solver.accuracy=0.01", "output.quantities=[\"sway\", \"bed.normal_force\"]"});
   ASSERT_TRUE(chosen.result.complete) << chosen.result.stopped_because;
@@ -350,18 +353,7 @@ TEST_F(Choosing, ToleranceFollowsWhatTheRunTellsOfItsIntegrator) {
   EXPECT_TRUE(leaps.has_to_be_finer(&told, 0.02, 0.0));
   EXPECT_EQ(leaps.value(), 1e-5);
   // A contact switches.
-  const auto stop = folder_.write("stop.toml", std::string(bars::kClamped) + R"toml(
-[ground.marker.bed]
-position = [1.1, -0.205, 0.1]
-axis = [0, 1, 0]
-[force.bed]
-type = "contact"
-from = "ground.bed"
-to = "beam.right"
-radius = 0.005
-stiffness = 1e6
-damping = 100
-)toml");
+  const auto stop = folder_.write("stop.toml", std::string(bars::kClamped) + kBed);
   const ToleranceChoice safe(0.01, mbs::prepare(stop));
   EXPECT_EQ(safe.value(), 1e-5);
   EXPECT_FALSE(safe.is_watched());
