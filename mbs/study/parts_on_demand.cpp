@@ -143,7 +143,10 @@ void PartsOnDemand::collect(const std::vector<std::string>& overrides) {
     }
     auto [at, is_new] = parts_.try_emplace(path.string(), Part{.file = file, .known = {}});
     Part& part = at->second;
-    if (is_new) part.known = input::names_in_table(file, "interface");
+    if (is_new) {
+      part.known = input::names_in_table(file, "interface");
+      part.has_mesh = !input::names_in_table(file, "geometry").empty();
+    }
     part_of_[name] = path.string();
     bool lacks = !found.is_there || found.is_rigid;
     const auto is_known = [&](const std::string& interface) {
@@ -284,7 +287,7 @@ std::vector<std::string> PartsOnDemand::refine(const std::vector<MeshOfBody>& me
   }
   for (const auto& [name, error] : too_coarse) {
     Part& part = parts_.at(name);
-    if (part.rounds++ >= kMostRounds) continue;
+    if (!part.has_mesh || part.rounds++ >= kMostRounds) continue;
     const Part before = part;
     part.accuracy = part.accuracy == 0.0 ? budget : part.accuracy * (error ? 0.8 * budget / *error : 0.5);
     try {

@@ -53,6 +53,7 @@ class PartsOnDemand {
   struct Part {
     std::filesystem::path file;
     std::vector<std::string> known;                               ///< interfaces in the file
+    bool has_mesh = false;                                        ///< parts of beams have none to refine
     std::map<std::string, std::string> added = {};                ///< interfaces by name, as inline tables
     std::map<std::string, std::string> at_place = {};             ///< those of markers on none, by place
     std::map<std::string, std::vector<std::string>> bodies = {};  ///< overrides of their markers

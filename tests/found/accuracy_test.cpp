@@ -221,6 +221,15 @@ TEST_F(Accuracy, WhatMovesByDeformationAloneIsNotRigid) {
   }
 }
 
+// A part of beams has no mesh that could be finer: its file is not asked for one.
+TEST_F(Accuracy, PartsOfBeamsAreReducedOnceForIt) {
+  fs::copy_file(kTrade / "strip.toml", folder_ / "strip.toml");
+  const Outcome out = simulate("scene_pendulum", {"--accuracy", "10 %", "--reduce"});
+  ASSERT_EQ(out.exit_code, 0) << out.err;
+  EXPECT_THAT(out.err, ::testing::AllOf(HasSubstr("strip.toml reduced in"), Not(HasSubstr("warning"))));
+  EXPECT_THAT(out.out, HasSubstr("parts of beams report no"));
+}
+
 // "Link: rigid" without a reason, and "100 % of the rms" at the end.
 TEST_F(Accuracy, ARunThatIsToStopIsChosenLikeAnyOther) {
   reduce("strip");
