@@ -93,6 +93,7 @@ void Transients::pass(double dt) {
 
 LinearCorrection::LinearCorrection(Eigen::Index n, Eigen::Index columns) {
   delta_ = rate_ = acceleration_ = auxiliary_ = MatrixXd::Zero(n, columns);
+  states_ = state_rates_ = MatrixXd::Zero(0, columns);
 }
 
 void LinearCorrection::factor(double h, double rho, const LinearisedRow& row) {
