@@ -44,9 +44,17 @@ InertiaIntegrals inertia_integrals(const linalg::SymmetricMatrix& m,
       block.resize(n, n);
       for (Eigen::Index first = 0; first < n; first += kColumns) {
         const Eigen::Index count = std::min(kColumns, n - first);
-        block.middleRows(first, count) = linalg::transpose_times(direction(a, first, count), mPhi);
+        // Of a symmetric one the rest is its mirror image.
+        const Eigen::Index from = a == b ? first : 0;
+        block.block(first, from, count, n - from) =
+            linalg::transpose_times(direction(a, first, count), mPhi.rightCols(n - from));
+        if (a != b) continue;
+        Eigen::MatrixXd own = block.block(first, first, count, count);
+        block.block(first, first, count, count) = 0.5 * (own + own.transpose());
+        const Eigen::Index rest = n - first - count;
+        block.block(first + count, first, rest, count) =
+            block.block(first, first + count, count, rest).transpose();
       }
-      if (a == b) block = (0.5 * (block + block.transpose())).eval();
     }
   }
   return s;

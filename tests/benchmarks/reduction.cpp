@@ -24,8 +24,8 @@
 
 /// The reduction of one CAD part against its own factorisation, against Krylov-Schur and against CalculiX,
 /// all on one mesh.  bench_reduction NAME PART.toml SIZE MODES [krylov] [one_basis] [slice=MODES] [packages] [calculix] [file]
-/// [tolerance=1e-8]; with `one_basis` and `slice=` also without and with slices of the spectrum, with `packages` also on the
-/// factors of other solver packages, with `file` the factor is kept in a file
+/// [petsc=OPTIONS] [tolerance=1e-8]; with `one_basis` and `slice=` also without and with slices of the spectrum, with `packages`
+/// also on the factors of other solver packages, with `petsc=` also by other options, with `file` the factor is kept in a file
 namespace flexura::reduce {
 namespace {
 
@@ -242,6 +242,12 @@ void run(const std::string& name, const std::filesystem::path& file, const std::
     if (word.substr(0, 6) == "slice=")
       against_options(name + ".slices_of_" + word.substr(6), "-eps_blocklanczos_slice " + word.substr(6),
                       part, ours, options);
+  int n_others = 0;
+  for (const std::string& word : words)
+    if (word.substr(0, 6) == "petsc=") {
+      fmt::print("# {}.other_{}: {}\n", name, ++n_others, word.substr(6));
+      against_options(fmt::format("{}.other_{}", name, n_others), word.substr(6), part, ours, options);
+    }
   if (words.contains("krylov")) {
     ReductionOptions plain = options;
     plain.eigensolver = Eigensolver::krylov_schur;
@@ -273,7 +279,7 @@ int main(int argc, char** argv) {
     fmt::print(
         stderr,
         "usage: bench_reduction NAME PART.toml SIZE MODES [krylov] [one_basis] [slice=MODES] [packages] "
-        "[calculix] [file] [tolerance=1e-8]\n");
+        "[calculix] [file] [petsc=OPTIONS] [tolerance=1e-8]\n");
     return 2;
   }
   const flexura::linalg::Session session;

@@ -123,6 +123,10 @@ int width_of_blocks(EPS eps) {
                              : block_lanczos_width(static_cast<int>(eps->nev));
 }
 
+int width_in_slices(EPS eps) {
+  return data(eps).block > 0 ? static_cast<int>(data(eps).block) : kSliceBlock;
+}
+
 // Modes of a slice, 0 for one basis: the user's choice, or what is faster.
 int modes_of_slice(EPS eps) {
   const Data& own = data(eps);
@@ -136,12 +140,12 @@ int modes_of_slice(EPS eps) {
   if (!own.context->problem->shifted) return 0;
   if (own.slice >= 0) return static_cast<int>(own.slice);
   return modes_per_slice(*own.context->problem, static_cast<double>(eps->n), static_cast<int>(eps->nev),
-                         width_of_blocks(eps));
+                         width_in_slices(eps));
 }
 
 // Thrown out of a search up to a frequency in one basis when it is seen that there are many modes.
 struct ManyModes {
-  int slice = 0, block = 0;  // modes of a slice
+  int slice = 0;  // modes of a slice
 };
 
 void abandon_if_many(EPS eps, const EigenProblem& problem, const EigenRequest& request,
@@ -150,17 +154,16 @@ void abandon_if_many(EPS eps, const EigenProblem& problem, const EigenRequest& r
   if (!(request.omega2_max > 0.0) || known < kEnoughToTell || data(eps).slice >= 0) return;
   const double count = expected_below(omega2.head(known), request.omega2_max);
   if (count < 3.0 * static_cast<double>(known)) return;  // it has come too far
-  const int block = data(eps).block > 0 ? static_cast<int>(data(eps).block)
-                                        : block_lanczos_width(static_cast<int>(std::min(count, 1e6)));
-  const int slice =
-      modes_per_slice(problem, static_cast<double>(eps->n), static_cast<int>(std::min(count, 1e6)), block);
-  if (slice > 0) throw ManyModes{slice, block};
+  const int slice = modes_per_slice(problem, static_cast<double>(eps->n),
+                                    static_cast<int>(std::min(count, 1e6)), width_in_slices(eps));
+  if (slice > 0) throw ManyModes{slice};
 }
 
 PetscInt vectors_of_basis(EPS eps, double room) {
-  const int count = static_cast<int>(eps->nev), block = width_of_blocks(eps), slice = modes_of_slice(eps);
-  return static_cast<PetscInt>(slice == 0 ? block_lanczos_vectors(count, block, room)
-                                          : slice_vectors(slice, block, room - static_cast<double>(count)));
+  const int count = static_cast<int>(eps->nev), slice = modes_of_slice(eps);
+  return static_cast<PetscInt>(
+      slice == 0 ? block_lanczos_vectors(count, width_of_blocks(eps), room)
+                 : slice_vectors(slice, width_in_slices(eps), room - static_cast<double>(count)));
 }
 
 PetscErrorCode set_up(EPS eps) {
@@ -260,11 +263,11 @@ PetscErrorCode solve(EPS eps) {
           pairs = iterate_block_lanczos(problem, request, settings, progress);
         } catch (const ManyModes& many) {
           slice = many.slice;
-          settings.block = many.block;
-          settings.most_vectors =
-              std::max(settings.most_vectors, slice_vectors(slice, settings.block, room_for_vectors(eps)));
+          settings.most_vectors = std::max(settings.most_vectors,
+                                           slice_vectors(slice, width_in_slices(eps), room_for_vectors(eps)));
         }
       in_slices = slice > 0;
+      if (in_slices) settings.block = width_in_slices(eps);
       if (in_slices) pairs = iterate_slices(problem, request, {slice, settings}, progress);
     } catch (...) {
       if (basis) BVRestoreArray(eps->V, &basis);
@@ -304,7 +307,7 @@ PetscErrorCode set_from_options(EPS eps, PetscOptionItems* PetscOptionsObject) {
   PetscInt block = data(eps).block > 0 ? data(eps).block : block_lanczos_width(1);
   PetscBool given = PETSC_FALSE;
   PetscCall(PetscOptionsBoundedInt("-eps_blocklanczos_block",
-                                   "right-hand sides solved for together; 8, or 16 for many modes", "", block,
+                                   "right-hand sides solved for together; 8, or 16 for many modes in one basis", "", block,
                                    &block, &given, 1));
   if (given) data(eps).block = block;
   PetscCall(PetscOptionsInt("-eps_blocklanczos_slice",

@@ -186,7 +186,7 @@ class Slices {
     const Index suggested = std::max<Index>(settings_.most_vectors, target + 5 * block_);
     LanczosSpace space(shifted, settings_.storage, block_,
                        std::min<Index>(problem_.n_free + 2 * block_, suggested));
-    double accurate = std::max(1e-2 * request_.tolerance, 1e-14);
+    double accurate = std::max(0.1 * request_.tolerance, 1e-14);
     int rounds_without_gain = 0;
     // The projected matrix is small: a look at it costs about what a block does.
     constexpr Index kBlocksBetweenLooks = 4;

@@ -26,8 +26,11 @@ struct SliceSettings {
 EigenPairs iterate_slices(const EigenProblem& problem, const EigenRequest& request,
                           const SliceSettings& settings, const Progress& progress = {});
 
-/// How many modes a slice should have, `count` being asked for; 0: one basis for all is faster, or there is no way to shift.
-/// `n_rows` is the length of the vectors on all processes.  By operations, not by time: the same each time.
+/// Right-hand sides together in slices: their bases are short, so that fewer vectors gain more than rarer passes along them.
+inline constexpr int kSliceBlock = 8;
+/// How many modes a slice should have, `count` being asked for, with blocks of `block`; 0: one basis for all is faster, or
+/// there is no way to shift.  `n_rows` is the length of the vectors on all processes.  By operations, not by time: the same
+/// each time.
 int modes_per_slice(const EigenProblem& problem, double n_rows, int count, int block);
 
 /// The number of eigenvalues up to omega^2 grows like omega^(2 p): p by the upper half of the lowest ones, ascending.
