@@ -79,13 +79,35 @@ TEST(SymmetricMatrix, ProductsAreThoseOfTheDenseMatrix) {
 
 TEST(SymmetricMatrix, AnEntryOutsideThePatternIsOneClearSentence) {
   SymmetricMatrix A({0, 1, 2}, {0, 1});
-  try {
-    A.add(std::vector<int>{0, 1}, Eigen::MatrixXd::Ones(2, 2));
-    FAIL() << "nothing was thrown";
-  } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), ::testing::StartsWith("PETSc failed while adding to a matrix: "));
-    EXPECT_THAT(error.what(), ::testing::Not(::testing::HasSubstr("\n")));
+  for (const std::vector<int>& dofs : {std::vector<int>{0, 1}, {1, 2}, {2}}) try {
+      A.add(dofs, Eigen::MatrixXd::Ones(2, 2));
+      FAIL() << "nothing was thrown";
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(), ::testing::StrEq("adding to a matrix: the entry is outside its pattern"));
+    }
+}
+
+// Dofs in any order, twice, left out.
+TEST(SymmetricMatrix, BlocksAreAddedAsCtkCIs) {
+  constexpr int n = 9;
+  std::vector<int> begin{0}, columns;
+  for (int i = 0; i < n; ++i) {
+    for (int j = i; j < n; ++j) columns.push_back(j);
+    begin.push_back(static_cast<int>(columns.size()));
   }
+  SymmetricMatrix A(begin, columns);
+  Eigen::MatrixXd exact = Eigen::MatrixXd::Zero(n, n);
+  for (const std::vector<int>& dofs :
+       {std::vector<int>{6, 7, 8, 0, 1, 2}, {4, -1, 2, 4, -3, 8}, {3, 3, 3, 5, 0, 5}}) {
+    const Eigen::MatrixXd X = random_matrix(6, 6), block = X + X.transpose();
+    Eigen::MatrixXd C = Eigen::MatrixXd::Zero(6, n);
+    for (int a = 0; a < 6; ++a)
+      if (dofs[a] >= 0) C(a, dofs[a]) = 1.0;
+    exact += C.transpose() * block * C;
+    A.add(dofs, block);
+  }
+  A.finish();
+  EXPECT_LT((dense(A) - exact).norm(), 1e-14 * exact.norm());
 }
 
 TEST(Cholesky, SolvesManyRightHandSides) {

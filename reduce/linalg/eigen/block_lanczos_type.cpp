@@ -306,9 +306,9 @@ PetscErrorCode set_from_options(EPS eps, PetscOptionItems* PetscOptionsObject) {
   PetscOptionsHeadBegin(PetscOptionsObject, "EPS block Lanczos options");
   PetscInt block = data(eps).block > 0 ? data(eps).block : block_lanczos_width(1);
   PetscBool given = PETSC_FALSE;
-  PetscCall(PetscOptionsBoundedInt("-eps_blocklanczos_block",
-                                   "right-hand sides solved for together; 8, or 16 for many modes in one basis", "", block,
-                                   &block, &given, 1));
+  PetscCall(PetscOptionsBoundedInt(
+      "-eps_blocklanczos_block", "right-hand sides solved for together; 8, or 16 for many modes in one basis",
+      "", block, &block, &given, 1));
   if (given) data(eps).block = block;
   PetscCall(PetscOptionsInt("-eps_blocklanczos_slice",
                             "modes of a slice of the spectrum; 0: one basis for all", "", data(eps).slice,

@@ -43,8 +43,7 @@ int modes_per_slice(const EigenProblem& problem, double n_rows, int count, int b
   constexpr int kFewest = 200;  // less is a matter of seconds either way
   if (!problem.shifted || count < kFewest || !(problem.factor_operations > 0.0)) return 0;
   const double k = count, b = block;
-  const double one_basis =
-      lanczos_operations(problem, n_rows, 2.4 * k + 20.0 * block_lanczos_width(count));
+  const double one_basis = lanczos_operations(problem, n_rows, 2.4 * k + 20.0 * block_lanczos_width(count));
   double least = 0.85 * one_basis;
   int best = 0;
   for (int modes = 4 * block; modes <= count; modes += block) {
