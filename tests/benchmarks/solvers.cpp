@@ -132,7 +132,7 @@ struct Best {
   double seconds = 1e300, processor = 1e300;
 };
 Best best_solve(Mat F, Mat B, Mat X) {
-  constexpr int kTimes = 5;
+  constexpr int kTimes = 10;
   Best best;
   for (int time = 0; time < kTimes; ++time) {
     Spent once;

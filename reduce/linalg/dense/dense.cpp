@@ -39,7 +39,7 @@ int n_shares(Eigen::Index n_rows) {
 
 // The products with few columns, on one core's share: by chunks of rows whose panels stay in the first cache.
 // Panels of eight columns lie one after the other, each stored by rows.
-constexpr Eigen::Index kWidth = 8, kFew = 32, kChunk = 512;
+constexpr Eigen::Index kWidth = 8, kFew = 32, kChunk = 128;
 
 using Ref = Eigen::Ref<const Eigen::MatrixXd>;
 using Row = Lanes<kWidth>::Row;

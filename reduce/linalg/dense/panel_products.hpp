@@ -13,6 +13,12 @@ namespace flexura::linalg {
 /// Columns taken together: with eight vectors their coefficients just fit the 16 registers of AVX2.
 inline constexpr int kPanelColumns = 6;
 
+/// Asks for eight rows of the K columns that follow: pieces of columns are too short for the processor to see ahead by itself.
+template <int K, class Real>
+FLEXURA_INLINE void ask_for_next(const Real* A, std::ptrdiff_t height, std::ptrdiff_t i) {
+  for (int c = 0; c < K; ++c) __builtin_prefetch(A + i + (c + K) * height);
+}
+
 /// Y_i -= sum_c A_ic x_c for n rows i and K columns c, `height` apart.  Real: what A is stored as.
 template <int W, int K, class Real>
 FLEXURA_INLINE void subtract_product(const Real* A, std::ptrdiff_t height, std::ptrdiff_t n,
@@ -20,6 +26,7 @@ FLEXURA_INLINE void subtract_product(const Real* A, std::ptrdiff_t height, std::
   typename Lanes<W>::Row known[K];
   for (int c = 0; c < K; ++c) known[c] = x[c];
   for (std::ptrdiff_t i = 0; i < n; ++i) {
+    if (i % 8 == 0) ask_for_next<K>(A, height, i);
     typename Lanes<W>::Row y = Y[i];
     for (int c = 0; c < K; ++c) y -= static_cast<double>(A[i + c * height]) * known[c];
     Y[i] = y;
@@ -33,6 +40,7 @@ FLEXURA_INLINE void subtract_transposed_product(const Real* A, std::ptrdiff_t he
   typename Lanes<W>::Row sum[K];
   for (int c = 0; c < K; ++c) sum[c] = x[c];
   for (std::ptrdiff_t i = 0; i < n; ++i) {
+    if (i % 8 == 0) ask_for_next<K>(A, height, i);
     const typename Lanes<W>::Row y = Y[i];
     for (int c = 0; c < K; ++c) sum[c] -= static_cast<double>(A[i + c * height]) * y;
   }

@@ -70,8 +70,10 @@ FLEXURA_INLINE int n_blocks(const Arrays& L, int s) {
   return Trapezoid{L.height(s), L.width(s)}.n_blocks();
 }
 
-// Rows of L that meet all panels while they are in the cache.
-constexpr std::ptrdiff_t kChunk = 512;
+// Rows of L that meet all panels while these are in the first cache.
+FLEXURA_INLINE std::ptrdiff_t rows_together(int panels) {
+  return panels > 1 ? 128 : 256;
+}
 
 // Calls step(k, K) for columns k ... k + K of a block, first to last or last to first.
 template <class Step>
@@ -130,8 +132,9 @@ FLEXURA_INLINE void backward_triangle(const Block<Real>& block, const Panels<W>&
 template <int W, class Real>
 FLEXURA_INLINE void forward_rows(const Block<Real>& block, std::ptrdiff_t begin, std::ptrdiff_t end,
                                  const Panels<W>& v) {
-  for (std::ptrdiff_t r = block.count + begin; r < block.count + end; r += kChunk) {
-    const std::ptrdiff_t n = std::min(kChunk, block.count + end - r);
+  const std::ptrdiff_t chunk = rows_together(v.count);
+  for (std::ptrdiff_t r = block.count + begin; r < block.count + end; r += chunk) {
+    const std::ptrdiff_t n = std::min(chunk, block.count + end - r);
     upwards(
         block.count, [&](std::ptrdiff_t k, auto width) __attribute__((always_inline)) {
           for (int p = 0; p < v.count; ++p)
@@ -145,8 +148,9 @@ FLEXURA_INLINE void forward_rows(const Block<Real>& block, std::ptrdiff_t begin,
 template <int W, class Real>
 FLEXURA_INLINE void backward_rows(const Block<Real>& block, std::ptrdiff_t begin, std::ptrdiff_t end,
                                   const Panels<W>& v, const Panels<W>& x) {
-  for (std::ptrdiff_t r = block.count + begin; r < block.count + end; r += kChunk) {
-    const std::ptrdiff_t n = std::min(kChunk, block.count + end - r);
+  const std::ptrdiff_t chunk = rows_together(v.count);
+  for (std::ptrdiff_t r = block.count + begin; r < block.count + end; r += chunk) {
+    const std::ptrdiff_t n = std::min(chunk, block.count + end - r);
     upwards(
         block.count, [&](std::ptrdiff_t k, auto width) __attribute__((always_inline)) {
           for (int p = 0; p < v.count; ++p)
