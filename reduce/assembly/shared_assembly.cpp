@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 
 #include "mesh/partition/cell_parts.hpp"
 #include "reduce/assembly/ties/tied_averages.hpp"
 #include "reduce/assembly/ties/tied_checks.hpp"
+#include "reduce/assembly/ties/tied_motions.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -120,16 +122,23 @@ PartShare read_share(const linalg::Team& team, Message& message) {
   share.n_nodes = message.take<int>();
   share.pins = message.take_all<int>();
   share.averaged_dofs = message.take_all<int>();
+  share.Jt.resize(message.take<std::size_t>());
   return share;
 }
 
-// A^T by the rows of each rank.
-void share_averages(PartShare& share, const linalg::RowShares* all,
-                    const Eigen::SparseMatrix<double, Eigen::RowMajor>* A) {
-  Eigen::MatrixXd At;
-  if (A) At = A->transpose();
-  linalg::RowShares rows = all ? *all : linalg::RowShares{{}, share.rows.begin};
-  share.At = linalg::scatter_rows(*share.team, rows, At);
+// A^T and J^T by the rows of each rank; rank 0 gives those of the whole part.
+void share_averages(PartShare& share, const linalg::RowShares* all, const TiedNumbering* numbering,
+                    const TiedAverages* averages) {
+  const linalg::RowShares rows = all ? *all : linalg::RowShares{{}, share.rows.begin};
+  Eigen::MatrixXd columns;
+  if (averages) columns = averages->A().transpose();
+  share.At = linalg::scatter_rows(*share.team, rows, columns);
+  for (std::size_t k = 0; k < share.Jt.size(); ++k) {
+    if (averages)
+      columns = TiedMotions(*numbering, *averages)
+                    .interface_load(static_cast<int>(k), Eigen::MatrixXd::Identity(6, 6));
+    share.Jt[k] = linalg::scatter_rows(*share.team, rows, columns).sparseView();
+  }
 }
 
 }  // namespace
@@ -178,11 +187,16 @@ struct SharedPart::Impl {
   const linalg::Team& team;
   const Part& part;
   TiedNumbering numbering;
+  TiedAverages averages;
   std::vector<int> part_of;
   NodeShares nodes;
+  bool may_be_free;
 };
 
-SharedPart::SharedPart(const linalg::Team& team, const Part& part) {
+SharedPart::SharedPart(const linalg::Team& team, const Part& part) : SharedPart(team, part, {}, false) {}
+
+SharedPart::SharedPart(const linalg::Team& team, const Part& part, std::vector<int> part_of,
+                       bool may_be_free) {
   if (!part.mesh.shells.empty() || !part.frames.empty())
     throw std::invalid_argument(
         "shells and beams are computed by one process: start the program without mpirun");
@@ -191,10 +205,12 @@ SharedPart::SharedPart(const linalg::Team& team, const Part& part) {
         "parts with constraints (*EQUATION, MPC, *TIE between nodes) are computed by one process: start the "
         "program without "
         "mpirun");
-  TiedNumbering numbering = checked_numbering(part, false);
-  std::vector<int> part_of = mesh::cell_parts(part.mesh, team.size());
+  TiedNumbering numbering = checked_numbering(part, may_be_free);
+  TiedAverages averages(part, numbering);
+  if (part_of.empty()) part_of = mesh::cell_parts(part.mesh, team.size());
   NodeShares nodes(part, part_of, team.size());
-  impl_.reset(new Impl{team, part, std::move(numbering), std::move(part_of), std::move(nodes)});
+  impl_.reset(new Impl{team, part, std::move(numbering), std::move(averages), std::move(part_of),
+                       std::move(nodes), may_be_free});
 }
 
 SharedPart::~SharedPart() = default;
@@ -212,11 +228,11 @@ CellStrains SharedPart::cell_rows(const CellStrains& all, int rank) const {
 }
 
 PartShare SharedPart::hand_out() const {
-  const auto& [team, part, numbering, part_of, nodes] = *impl_;
+  const auto& [team, part, numbering, averages, part_of, nodes, may_be_free] = *impl_;
   const std::vector<int> owner = owners_of_groups(part, numbering, part_of, team.size());
   const linalg::RowShares all = share_rows(numbering, owner, team.size());
-  const TiedAverages averages(part, numbering);
-  std::vector<int> pins = choose_pins(numbering);
+  std::vector<int> pins;  // what may be free is held by its mass, and the springs of pins would be in the way
+  if (!may_be_free) pins = choose_pins(numbering);
   for (int& pin : pins) pin = all.number[pin];
   std::vector<int> node_there(part.mesh.n_nodes(), -1);
   const auto put_share = [&](Message& message, int rank) {
@@ -235,6 +251,7 @@ PartShare SharedPart::hand_out() const {
     message.put(numbering.n_nodes());
     message.put_all(pins);
     message.put_all(averages.dofs());
+    message.put(may_be_free ? part.interfaces.size() : std::size_t{0});
   };
   for (int rank = 1; rank < team.size(); ++rank) {
     Message message;
@@ -245,6 +262,7 @@ PartShare SharedPart::hand_out() const {
   put_share(message, 0);
   PartShare own = read_share(team, message);
   own.place_of_node = nodes.places();
+  own.part_of = part_of;
   own.part.matrices = part.matrices;
   own.part.masses = part.masses;
   own.part.links = part.links;
@@ -259,15 +277,22 @@ PartShare SharedPart::hand_out() const {
     follower.point = node_there[follower.point];
     for (auto& from : follower.from) from.first = node_there[from.first];
   }
-  share_averages(own, &all, &averages.A());
+  share_averages(own, &all, &numbering, &averages);
   return own;
 }
 
 PartShare take_share(const linalg::Team& team) {
   Message message = team.receive(0);
   PartShare share = read_share(team, message);
-  share_averages(share, nullptr, nullptr);
+  share_averages(share, nullptr, nullptr, nullptr);
   return share;
+}
+
+PartShare share_retied(const PartShare& share, const Part& part, bool may_be_free) {
+  std::optional<SharedPart> shared;
+  if (share.team->rank() == 0) shared.emplace(*share.team, part, share.part_of, may_be_free);
+  share.team->meet();
+  return shared ? shared->hand_out() : take_share(*share.team);
 }
 
 Eigen::MatrixXd collect_nodes(const PartShare& share, const Eigen::Ref<const Eigen::MatrixXd>& U,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -26,9 +27,12 @@ struct PartShare {
   std::vector<int> pins;    ///< TiedModel::pins(), by their numbers among the rows of all ranks
   std::vector<int> averaged_dofs;
   Eigen::MatrixXd At;  ///< this rank's rows of the averages' A^T
+  /// Of each interface, where nothing holds the part: its node's six motions are J u_i; this rank's rows of J^T.
+  std::vector<Eigen::SparseMatrix<double>> Jt;
 
-  /// Of rank 0 alone: of each node of the whole part the rank that tells of it, and its number there.
+  /// Of rank 0 alone: of each node of the whole part the rank that tells of it, and its number there; of each cell its rank.
   std::vector<std::pair<int, int>> place_of_node;
+  std::vector<int> part_of;
 };
 
 /// What a rank makes of a field on all nodes (n x 3): the rows of the nodes that it has.  `once`: each node's row goes to one
@@ -51,6 +55,8 @@ class SharedPart {
  public:
   /// Throws std::invalid_argument for parts that cannot be reduced (tied_model.hpp) or not by a team.
   SharedPart(const linalg::Team& team, const Part& part);
+  /// Cut as `part_of` says, a rank for each cell.  `may_be_free`: interfaces need not hold it (AssemblyOptions).
+  SharedPart(const linalg::Team& team, const Part& part, std::vector<int> part_of, bool may_be_free);
   ~SharedPart();
 
   const NodeShares& nodes() const;
@@ -66,6 +72,11 @@ class SharedPart {
 
 /// On the ranks that do not lead.
 PartShare take_share(const linalg::Team& team);
+
+/// Collective: the share of a part with the mesh and the cut of `share` and other ties or retained directions, so that the
+/// nodes here are the same and dofs that both have belong to the same ranks.  `part` is read on rank 0 alone; what SharedPart
+/// throws there is thrown on all.
+PartShare share_retied(const PartShare& share, const Part& part, bool may_be_free = false);
 
 /// Collective: rows of U (3 for each node here) at nodes of the whole part, which rank 0 names and is given.
 Eigen::MatrixXd collect_nodes(const PartShare& share, const Eigen::Ref<const Eigen::MatrixXd>& U,

@@ -124,6 +124,11 @@ void TiedModel::gather(const Ref<const MatrixXd>& F, MatrixXd& f_i, MatrixXd& f_
   f_b = sum(std::move(f_b));
 }
 
+MatrixXd TiedModel::interface_motion(int k, const Ref<const MatrixXd>& u_i) const {
+  if (!share_) return motions_.interface_motion(k, u_i, MatrixXd::Zero(n_b(), u_i.cols()));
+  return sum(share_->Jt.at(static_cast<std::size_t>(k)).transpose() * u_i);
+}
+
 MatrixXd TiedModel::own_rows(MatrixXd interior) const {
   return share_ ? exchange_->own_of(interior) : interior;
 }

@@ -77,6 +77,8 @@ class TiedModel {
   void expand(const Eigen::Ref<const Eigen::MatrixXd>& u_i, const Eigen::Ref<const Eigen::MatrixXd>& u_b,
               Eigen::MatrixXd& U) const;
   void gather(const Eigen::Ref<const Eigen::MatrixXd>& F, Eigen::MatrixXd& f_i, Eigen::MatrixXd& f_b) const;
+  /// The six motions (u, theta; 6 x k) of an interface node, in a model that retains nothing of it.
+  Eigen::MatrixXd interface_motion(int interface, const Eigen::Ref<const Eigen::MatrixXd>& u_i) const;
   /// Over all ranks: sums of numbers, A^T B, the Frobenius norm.
   Eigen::MatrixXd sum(Eigen::MatrixXd terms) const;
   Eigen::MatrixXd inner(const Eigen::Ref<const Eigen::MatrixXd>& A,

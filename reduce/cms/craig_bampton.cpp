@@ -372,8 +372,7 @@ Reduction craig_bampton(const Part& whole, const PartShare& share, const Reducti
 }
 
 Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
-  if (options.team && options.set != ModeSet::craig_chang && !has_elastic_ties(whole))
-    return lead_reduction(whole, options);
+  if (options.team && !has_elastic_ties(whole)) return lead_reduction(whole, options);
   Reduction reduction;
   std::optional<Part> stiff;
   if (has_elastic_ties(whole)) {
@@ -392,8 +391,7 @@ Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
   const TiedModel model = assembled(part, options);
   reduction.report.seconds_assembly = watch.lap();
   if (options.team)
-    reduction.report.notes.push_back(
-        "the first process has worked alone: several share neither elastic ties nor free-free modes");
+    reduction.report.notes.push_back("the first process has worked alone: several do not share elastic ties");
   reduce_model(whole, part, model, options, reduction);
   reduction.report.peak_memory_bytes = linalg::peak_memory();
   return reduction;

@@ -7,6 +7,7 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 #include "mbs/superelement/file.hpp"
@@ -75,6 +76,50 @@ void expect_same(const superelement::Superelement& a, const superelement::Supere
   }
 }
 
+constexpr superelement::Parts kAll{.stiffening = true, .shapes = true, .stress = true, .mesh_error = true};
+
+void expect_near(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const char* name) {
+  ASSERT_EQ(x.rows(), y.rows()) << name;
+  EXPECT_LT((x - y).norm(), 1e-9 * x.norm()) << name;
+}
+
+// What belongs to the interfaces' own shapes, whatever signs the modes have, of parts with dampers, load cases, stiffening and
+// stresses; and the mesh's share.
+void expect_same_fields(const superelement::Superelement& a, const superelement::Superelement& b) {
+  const auto corner = [&](const Eigen::MatrixXd& X) { return X.topLeftCorner(a.n_b, a.n_b); };
+  expect_near(a.inertia.S_xx, b.inertia.S_xx, "S_xx");
+  expect_near(a.inertia.S_xphi.leftCols(a.n_b), b.inertia.S_xphi.leftCols(a.n_b), "S_xphi");
+  ASSERT_TRUE(a.D_se.size() > 0 && b.D_se.size() > 0);
+  expect_near(corner(a.D_se), corner(b.D_se), "D_se");
+  ASSERT_EQ(b.load_cases.size(), a.load_cases.size());
+  for (std::size_t k = 0; k < a.load_cases.size(); ++k) {
+    expect_near(a.load_cases[k].p_se.head(a.n_b), b.load_cases[k].p_se.head(a.n_b), "p_se");
+    expect_near(a.load_cases[k].moment.leftCols(a.n_b), b.load_cases[k].moment.leftCols(a.n_b), "moment");
+  }
+  ASSERT_TRUE(a.stiffening && b.stiffening);
+  for (int k = 0; k < 6; ++k)
+    expect_near(corner(a.stiffening->K0omega[k]), corner(b.stiffening->K0omega[k]), "K0omega");
+  expect_near(corner(a.stiffening->K0t[0]), corner(b.stiffening->K0t[0]), "K0t");
+  expect_near(corner(a.stiffening->K0F.front()), corner(b.stiffening->K0F.front()), "K0F");
+  ASSERT_EQ(b.stiffening->K0p.size(), a.stiffening->K0p.size());
+  for (std::size_t k = 0; k < a.stiffening->K0p.size(); ++k)
+    expect_near(corner(a.stiffening->K0p[k]), corner(b.stiffening->K0p[k]), "terms of the loads");
+  ASSERT_TRUE(a.stress && b.stress);
+  expect_near(a.stress->S.leftCols(a.n_b), b.stress->S.leftCols(a.n_b), "stress");
+  // Estimates follow from the motions, which agree to 1e-8 or so; -1: unknown.
+  ASSERT_TRUE(a.mesh_error && b.mesh_error);
+  ASSERT_EQ(b.mesh_error->modes.size(), a.mesh_error->modes.size());
+  for (std::size_t k = 0; k < a.mesh_error->modes.size(); ++k)
+    EXPECT_NEAR(b.mesh_error->modes[k].error, a.mesh_error->modes[k].error,
+                1e-6 * std::abs(a.mesh_error->modes[k].error))
+        << k;
+  ASSERT_EQ(b.mesh_error->interfaces.size(), a.mesh_error->interfaces.size());
+  for (std::size_t k = 0; k < a.mesh_error->interfaces.size(); ++k)
+    EXPECT_NEAR(b.mesh_error->interfaces[k].compliance_error, a.mesh_error->interfaces[k].compliance_error,
+                1e-6 * std::abs(a.mesh_error->interfaces[k].compliance_error))
+        << a.mesh_error->interfaces[k].name;
+}
+
 class ByProcesses : public ::testing::TestWithParam<int> {};
 
 // The cantilever of hexahedra is square: its bending modes come in pairs, whose directions nothing tells
@@ -118,37 +163,48 @@ TEST_P(ByProcesses, MassesLinksLoadsStiffeningAndStressesAreThoseOfOne) {
   ASSERT_EQ(one.exit_code, 0) << one.err;
   const test::Outcome all = under_mpirun(folder, GetParam(), {part, "-o", together, "-q"});
   ASSERT_EQ(all.exit_code, 0) << all.err;
-  const superelement::Parts what{.stiffening = true, .shapes = true, .stress = true, .mesh_error = true};
-  const superelement::Superelement a = superelement::read(alone, what),
-                                   b = superelement::read(together, what);
+  const superelement::Superelement a = superelement::read(alone, kAll),
+                                   b = superelement::read(together, kAll);
   expect_same(a, b);
-  // What belongs to the interfaces' own shapes, whatever signs the modes have.
-  const auto expect_near = [](const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, const char* name) {
-    ASSERT_EQ(x.rows(), y.rows()) << name;
-    EXPECT_LT((x - y).norm(), 1e-9 * x.norm()) << name;
-  };
-  const auto corner = [&](const Eigen::MatrixXd& X) { return X.topLeftCorner(a.n_b, a.n_b); };
-  expect_near(a.inertia.S_xx, b.inertia.S_xx, "S_xx");
-  expect_near(a.inertia.S_xphi.leftCols(a.n_b), b.inertia.S_xphi.leftCols(a.n_b), "S_xphi");
-  ASSERT_TRUE(a.D_se.size() > 0 && b.D_se.size() > 0);
-  expect_near(corner(a.D_se), corner(b.D_se), "D_se");
+  expect_same_fields(a, b);
   ASSERT_TRUE(a.load_cases.size() == 2 && b.load_cases.size() == 2);
-  expect_near(a.load_cases[0].p_se.head(a.n_b), b.load_cases[0].p_se.head(a.n_b), "p_se");
-  expect_near(a.load_cases[0].moment.leftCols(a.n_b), b.load_cases[0].moment.leftCols(a.n_b), "moment");
-  expect_near(a.load_cases[1].p_se.head(a.n_b), b.load_cases[1].p_se.head(a.n_b), "p_se of the preload");
   EXPECT_TRUE(a.load_cases[1].is_preload && b.load_cases[1].is_preload);
-  ASSERT_TRUE(a.stiffening && b.stiffening);
-  for (int k = 0; k < 6; ++k)
-    expect_near(corner(a.stiffening->K0omega[k]), corner(b.stiffening->K0omega[k]), "K0omega");
-  expect_near(corner(a.stiffening->K0t[0]), corner(b.stiffening->K0t[0]), "K0t");
-  expect_near(corner(a.stiffening->K0F.front()), corner(b.stiffening->K0F.front()), "K0F");
-  ASSERT_TRUE(a.stiffening->K0p.size() == 2 && b.stiffening->K0p.size() == 2);
-  for (std::size_t k = 0; k < 2; ++k)
-    expect_near(corner(a.stiffening->K0p[k]), corner(b.stiffening->K0p[k]), "terms of the loads");
-  ASSERT_TRUE(a.stress && b.stress);
-  expect_near(a.stress->S.leftCols(a.n_b), b.stress->S.leftCols(a.n_b), "stress");
   ASSERT_GT(a.stress->of_loads.norm(), 0.0);
   expect_near(a.stress->of_loads, b.stress->of_loads, "stress of the preload");
+}
+
+// Free-free modes and attachment modes of the same block, with one interface of each tie: the free body is a second model,
+// which the processes share as they share the first.
+TEST_P(ByProcesses, FreeModesAndAttachmentModesAreThoseOfOne) {
+  const test::Folder folder;
+  const std::string deck = std::string(FLEXURA_SOURCE_DIR) + "/tests/mesh/data/blockC3D10.inp";
+  const std::string part =
+      folder
+          .write("block.toml",
+                 "stiffening = true\n[geometry]\nfile = \"" + deck +
+                     "\"\n[modes]\nset = \"craig_chang\"\ncount = 8\n[recovery]\nstress = true\n"
+                     "precision = \"double\"\n"
+                     "[interface.left]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n"
+                     "directions = [\"x\", \"y\", \"z\", \"rx\"]\n"
+                     "[interface.right]\nby = \"plane\"\npoint = [4, 0, 0]\nnormal = [1, 0, 0]\n"
+                     "tie = \"average\"\n"
+                     "[interface.eye]\nby = \"nodes\"\nnodes = [13]\ntie = \"node\"\ndirections = [\"y\", "
+                     "\"z\"]\n"
+                     "[mass_point.motor]\nmass = 2000\ninterface = \"left\"\noffset = [-0.3, 0.1, 0]\n"
+                     "[mass_point.lamp]\nmass = 500\nnode = 17\n"
+                     "[link.strut]\nnodes = [13, 17]\nstiffness = \"1e9 N/m\"\ndamping = \"100 N s/m\"\n"
+                     "[load.weight]\ntype = \"gravity\"\nacceleration = [0, 0, -9.81]\n")
+          .string();
+  const std::string alone = folder / "alone.se.h5", together = folder / "together.se.h5";
+  const test::Outcome one = test::run("flexura-reduce", {part, "-o", alone, "-q"});
+  ASSERT_EQ(one.exit_code, 0) << one.err;
+  const test::Outcome all = under_mpirun(folder, GetParam(), {part, "-o", together});
+  ASSERT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_THAT(all.out, ::testing::HasSubstr(std::to_string(GetParam()) + " processes share the elements"));
+  const superelement::Superelement a = superelement::read(alone, kAll),
+                                   b = superelement::read(together, kAll);
+  expect_same(a, b);
+  expect_same_fields(a, b);
 }
 
 INSTANTIATE_TEST_SUITE_P(Launch, ByProcesses, ::testing::Values(2, 4),

@@ -15,14 +15,14 @@ using Eigen::MatrixXd;
 
 CraigChangSpan craig_chang_span(const Part& part, const TiedModel& model, const TiedSolver& solver,
                                 const MatrixXd& Psi, const MatrixXd& K_bb, const ReductionOptions& options) {
-  const Index n_b = model.n_b(), n_i = model.n_i();
+  const Index n_b = model.n_b(), n_rows = model.n_rows();
   // The free body's shift: the first fixed-interface eigenvalue has the right size.
   const linalg::EigenPairs first =
       linalg::block_lanczos(fixed_interface_problem(model, solver), {1, 0.0, 1e-6}, options.progress);
   const FreeModes free = free_modes_on_nodes(part,
                                              {options.n_modes > 0 ? options.n_modes + 6 : 0,
                                               options.omega_max * options.omega_max, options.tolerance},
-                                             first.omega2(0), options.progress);
+                                             first.omega2(0), options.progress, model.share());
   // The six rigid modes are known exactly; the computed ones are left out.
   const Index n_free = std::max<Index>(free.U.cols() - 6, 0), m = 6 + n_free + n_b;
 
@@ -30,7 +30,7 @@ CraigChangSpan craig_chang_span(const Part& part, const TiedModel& model, const 
   span.first_attachment = static_cast<int>(6 + n_free);
   span.residual = free.pairs.residual.tail(n_free);
   span.round_off = free.pairs.round_off.tail(n_free);
-  span.W.setZero(n_i, m);
+  span.W.setZero(n_rows, m);
   span.C_b.setZero(n_b, m);
   const MatrixXd R_b = model.motions().rigid_b();
   span.C_b.leftCols(6) = R_b;
@@ -42,29 +42,29 @@ CraigChangSpan craig_chang_span(const Part& part, const TiedModel& model, const 
         span.C_b.block(model.numbering().first_dof(k) + static_cast<Index>(d), 6, 1, n_free) =
             motion.back().row(model.numbering().directions(k)[d]);
     }
-    span.W.middleCols(6, n_free) =
-        model.motions().interior_part(free.U.rightCols(n_free), free.rotations.rightCols(n_free), motion) -
-        linalg::times(Psi, span.C_b.middleCols(6, n_free));
+    span.W.middleCols(6, n_free) = model.own_rows(model.motions().interior_part(
+                                       free.U.rightCols(n_free), free.rotations.rightCols(n_free), motion)) -
+                                   linalg::times(Psi, span.C_b.middleCols(6, n_free));
   }
 
   // Unit loads on the interface, balanced by the inertia forces M R c.
   MatrixXd M_R, g_i, g_b;
   const MatrixXd R = model.motions().rigid_nodes();
   model.m().multiply_kron3(R, M_R);
-  model.motions().gather(M_R, g_i, g_b);
-  const MatrixXd c = linalg::transpose_times(R, M_R).ldlt().solve(R_b.transpose());  // 6 x n_b
-  const MatrixXd p = MatrixXd::Identity(n_b, n_b) - (g_b + linalg::transpose_times(Psi, g_i)) * c;
+  model.gather(M_R, g_i, g_b);
+  const MatrixXd c = model.inner(R, M_R).ldlt().solve(R_b.transpose());  // 6 x n_b
+  const MatrixXd p = MatrixXd::Identity(n_b, n_b) - (g_b + model.inner(Psi, g_i)) * c;
   // p is in equilibrium, so springs on the rigid motions carry nothing.
   const MatrixXd held = K_bb + K_bb.norm() / R_b.squaredNorm() * R_b * R_b.transpose();
   span.C_b.rightCols(n_b) = held.ldlt().solve(p);
   span.W.rightCols(n_b) = linalg::times(solver.solve(g_i), -c);
 
   MatrixXd U, M_U, K_W;
-  model.motions().expand(span.W + linalg::times(Psi, span.C_b), span.C_b, U);
+  model.expand(span.W + linalg::times(Psi, span.C_b), span.C_b, U);
   model.m().multiply_kron3(U, M_U);
-  span.M = linalg::transpose_times(U, M_U);
-  model.K_ii().multiply(span.W, K_W);
-  span.K = linalg::transpose_times(span.W, K_W) + span.C_b.transpose() * K_bb * span.C_b;
+  span.M = model.inner(U, M_U);
+  model.multiply_K(span.W, K_W);
+  span.K = model.inner(span.W, K_W) + span.C_b.transpose() * K_bb * span.C_b;
   span.M = (0.5 * (span.M + span.M.transpose())).eval();
   span.K = (0.5 * (span.K + span.K.transpose())).eval();
   return span;

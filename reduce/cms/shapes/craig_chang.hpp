@@ -22,7 +22,7 @@ namespace flexura::reduce {
 
 /// Vectors u = Psi c_b + w that span the space: rigid modes, free modes, attachment modes, in this order.
 struct CraigChangSpan {
-  Eigen::MatrixXd W;     ///< n_i x m
+  Eigen::MatrixXd W;     ///< n_rows x m
   Eigen::MatrixXd C_b;   ///< n_b x m
   Eigen::MatrixXd K, M;  ///< m x m
   int first_attachment = 0;
@@ -30,7 +30,7 @@ struct CraigChangSpan {
 };
 
 /// `Psi`, `K_bb` as in stiffening_terms().  options.n_modes elastic free modes, or all up to
-/// options.omega_max.
+/// options.omega_max.  `part` is read on the leading rank alone; the small matrices are the same on all.
 CraigChangSpan craig_chang_span(const Part& part, const TiedModel& model, const TiedSolver& solver,
                                 const Eigen::MatrixXd& Psi, const Eigen::MatrixXd& K_bb,
                                 const ReductionOptions& options);

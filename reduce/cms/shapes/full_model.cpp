@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 #include "reduce/cms/shapes/fixed_interface.hpp"
@@ -23,6 +24,10 @@ Part with_retained(Part part, const std::string& name) {
   return part;
 }
 
+PartShare free_share(const Part& part, const PartShare& share) {
+  return share_retied(share, share.team->rank() == 0 ? with_retained(part, "") : Part{}, true);
+}
+
 template <class Interfaces>
 int index_of(const Interfaces& interfaces, const std::string& name) {
   for (std::size_t k = 0; k < interfaces.size(); ++k)
@@ -33,26 +38,33 @@ int index_of(const Interfaces& interfaces, const std::string& name) {
 }  // namespace
 
 FreeModes free_modes_on_nodes(const Part& part, const linalg::EigenRequest& request, double omega2_scale,
-                              const linalg::Progress& progress) {
+                              const linalg::Progress& progress, const PartShare* share) {
   AssemblyOptions options;
   options.may_be_free = true;
   options.shift = omega2_scale;
-  const TiedModel model(with_retained(part, ""), options);
+  std::optional<PartShare> free;
+  if (share) free = free_share(part, *share);
+  const TiedModel model = free ? TiedModel(*free, options) : TiedModel(with_retained(part, ""), options);
+  if (free) free->part = {};  // its elements are in the matrices
   const TiedSolver solver(model, progress);
   linalg::EigenProblem problem = fixed_interface_problem(model, solver);
   problem.shift = omega2_scale;
   problem.multiply_K = [&model, omega2_scale](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) {
     MatrixXd MX;
-    model.K_ii().multiply(X, Y);
-    model.matrices().multiply_M_ii(X, MX);
+    model.multiply_K(X, Y);
+    model.multiply_M(X, MX);
     Y -= omega2_scale * MX;
+  };
+  // The model's K_ii has the shift in it.
+  problem.shifted = [shifted = problem.shifted, omega2_scale](double sigma) {
+    return shifted(sigma + omega2_scale);
   };
   FreeModes modes{linalg::block_lanczos(problem, request, progress), {}, {}, {}};
   const MatrixXd none = MatrixXd::Zero(model.n_b(), modes.pairs.Phi.cols());
-  model.motions().expand(modes.pairs.Phi, none, modes.U);
+  model.expand(modes.pairs.Phi, none, modes.U);
   modes.rotations = model.motions().expand_rotations(modes.pairs.Phi, none);
   for (int k = 0; k < model.n_interfaces(); ++k)
-    modes.motion.push_back(model.motions().interface_motion(k, modes.pairs.Phi, none));
+    modes.motion.push_back(model.interface_motion(k, modes.pairs.Phi));
   modes.pairs.Phi.resize(0, 0);
   return modes;
 }

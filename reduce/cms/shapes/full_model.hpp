@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "reduce/assembly/input/part.hpp"
+#include "reduce/assembly/shared_assembly.hpp"
 #include "reduce/cms/result/reduction.hpp"
 #include "reduce/linalg/dense/progress.hpp"
 #include "reduce/linalg/eigen/eigen_problem.hpp"
@@ -23,9 +23,10 @@ struct FreeModes {
   Eigen::MatrixXd rotations;            ///< 3 n_rotations x k
   std::vector<Eigen::MatrixXd> motion;  ///< of each interface node, 6 x k
 };
-/// `request` counts the rigid modes, too; `omega2_scale` as above.
+/// `request` counts the rigid modes, too; `omega2_scale` as above.  With this rank's `share` of the part it is collective: a
+/// team's ranks share the work, U is of the nodes here, and `part` is read on rank 0 alone.
 FreeModes free_modes_on_nodes(const Part& part, const linalg::EigenRequest& request, double omega2_scale,
-                              const linalg::Progress& progress = {});
+                              const linalg::Progress& progress = {}, const PartShare* share = nullptr);
 
 /// The lowest modes with one interface clamped (all six motions of its node) and the others free.
 linalg::EigenPairs full_clamped_modes(const Part& part, const std::string& clamped, int count,

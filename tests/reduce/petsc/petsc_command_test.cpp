@@ -128,6 +128,26 @@ TEST(Petsc, SlicesAreTheSameToTheBitTheNextTime) {
   EXPECT_EQ(a.shapes, b.shapes);
 }
 
+// The modes of the free body are found with K + shift M, from whose factor the slices' shifts are to be counted.
+TEST(Petsc, SlicesOfAFreeBodyAreTheModesOfOneBasis) {
+  const test::Folder folder;
+  const std::string part = deck_part(folder, "beam.toml", "set = \"craig_chang\"\n");
+  std::vector<Eigen::VectorXd>
+      found;  // omega^2 of the free body: the modes of the full model, to their residual squared
+  for (const char* const slice : {"0", "20"}) {
+    const std::string file = folder / (std::string(slice) + ".se.h5");
+    const test::Outcome outcome = test::run(
+        "flexura-reduce", {part, "-o", file, "--set", "modes.count=60", "--set", "modes.certify=false",
+                           "--petsc", std::string("-eps_blocklanczos_slice ") + slice});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const superelement::Superelement se = superelement::read(file);
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> free(se.K_se, se.M_se, Eigen::EigenvaluesOnly);
+    found.push_back(free.eigenvalues().segment(6, 60));
+  }
+  // Round-off of the dense problem, 1e-16 of the greatest eigenvalue, some 1e5 times the least.
+  EXPECT_LT((found[1].cwiseQuotient(found[0]).array() - 1.0).abs().maxCoeff(), 1e-9);
+}
+
 // Mesh, elements, factor and the eigensolver's vectors lie on two processes, ties by averages border the matrix.
 class UnderMpirun : public ::testing::TestWithParam<Case> {};
 
