@@ -133,6 +133,21 @@ MatrixXd TiedModel::own_rows(MatrixXd interior) const {
   return share_ ? exchange_->own_of(interior) : interior;
 }
 
+std::vector<int> TiedModel::rows_in(const TiedModel& other) const {
+  const std::vector<int> there = motions_.interior_in(other.motions_);
+  if (!share_) return there;
+  const auto row_of = [](const TiedModel& model, int dof) {
+    const PartShare& share = *model.share_;
+    return share.rows.number[dof] - share.rows.begin[share.team->rank()];
+  };
+  std::vector<int> rows(static_cast<std::size_t>(n_rows_), -1);
+  for (std::size_t dof = 0; dof < there.size(); ++dof) {
+    const int row = row_of(*this, static_cast<int>(dof));
+    if (row >= 0 && row < n_rows_ && there[dof] >= 0) rows[row] = row_of(other, there[dof]);
+  }
+  return rows;
+}
+
 Eigen::VectorXd TiedModel::pin_stiffness() const {
   Eigen::VectorXd s = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(pins_.size()));
   if (!share_) {

@@ -93,6 +93,9 @@ class TiedModel {
 
   /// Of what numbering() says of its interior dofs the rows that are owned here.
   Eigen::MatrixXd own_rows(Eigen::MatrixXd interior) const;
+  /// Where each row here is among those of another model of the same part with other ties, which this rank owns as well
+  /// (share_retied()).
+  std::vector<int> rows_in(const TiedModel& other) const;
 
  private:
   template <class Product>

@@ -41,11 +41,14 @@ void require_finite(const TiedModel& model, const MatrixXd& X, const char* what)
     throw std::runtime_error(std::string(what) + " hold a number that is not finite");
 }
 
-// Interface modes of elastic ties; the averaging model and its factor are gone on return.
+// Interface modes of elastic ties; the averaging model and its factor are gone on return.  `whole` is read on rank 0 alone.
 InterfaceModes faces_of(const Part& whole, const TiedSolver& stiff, const ConstraintModes& constraint,
                         const ReductionOptions& options, ReductionReport& report) {
   linalg::Stopwatch watch;
-  const TiedModel model(whole);
+  std::optional<PartShare> share;
+  if (stiff.model().share()) share = share_retied(*stiff.model().share(), whole);
+  const TiedModel model = share ? TiedModel(*share) : TiedModel(whole);
+  if (share) share->part = {};  // its elements are in the matrices
   const TiedSolver soft(model, options.progress);
   InterfaceModes modes = interface_modes(soft, stiff, constraint.Psi, constraint.K_bb,
                                          options.interface_modes, options.progress);
@@ -86,9 +89,9 @@ struct Cut {
 // All but the certificate, a stage each.  The factor is gone with it: the certificate's takes its place in memory.
 class ReductionStages {
  public:
-  // `part`, of which `model` is, is `whole` with its elastic ties rigid; a rank of a team that does not lead gives its share
-  // for both.
-  ReductionStages(const Part& whole, const Part& part, const TiedModel& model,
+  // `part`, of which `model` is, is `whole` with its elastic ties rigid, if it `has_elastic` ones; a rank of a team that does
+  // not lead gives its share for both.
+  ReductionStages(const Part& whole, const Part& part, bool has_elastic, const TiedModel& model,
                   const ReductionOptions& options, Reduction& reduction)
       : whole_(whole),
         part_(part),
@@ -96,6 +99,7 @@ class ReductionStages {
         model_(model),
         options_(options),
         reduction_(reduction),
+        has_elastic_(has_elastic),
         fixed_modes_(options.set == ModeSet::craig_bampton),
         wants_stress_(model.decide(!options.stress_nodes.empty())),
         solver_(std::in_place, model, options.progress, storage_for(model, options)) {
@@ -201,7 +205,7 @@ class ReductionStages {
                                      options_, report_);
     }
     stage_.next("Interface modes");
-    if (&whole_ == &part_) return;
+    if (!has_elastic_) return;
     faces_ = faces_of(whole_, *solver_, constraint_, options_, report_);
     watch_.lap();
   }
@@ -314,7 +318,7 @@ class ReductionStages {
   const ReductionOptions& options_;
   Reduction& reduction_;
   ReductionReport& report_ = reduction_.report;
-  const bool fixed_modes_, wants_stress_;
+  const bool has_elastic_, fixed_modes_, wants_stress_;
   linalg::Stopwatch watch_;
   linalg::LogStage stage_{"Factorisation"};
   std::optional<TiedSolver> solver_;
@@ -332,7 +336,8 @@ class ReductionStages {
 // The stages and the certificate.
 void reduce_model(const Part& whole, const Part& part, const TiedModel& model,
                   const ReductionOptions& options, Reduction& reduction) {
-  const Cut cut = ReductionStages(whole, part, model, options, reduction).run();
+  const bool has_elastic = model.decide(&part != &whole);
+  const Cut cut = ReductionStages(whole, part, has_elastic, model, options, reduction).run();
   if (!options.certify || cut.n_modes == 0) return;
   linalg::Stopwatch watch;
   linalg::report(options.progress, "certificate", 0.0);
@@ -343,7 +348,7 @@ void reduce_model(const Part& whole, const Part& part, const TiedModel& model,
     certify(model, cut.order, cut.omega2_last, cut.omega2_next, cut.n_modes, reduction.report,
             options.storage);
   // Courant: no Ritz value stands below the eigenvalue of its number; elastic ties are another model.
-  if (&part == &whole) require_not_below(reduction.omega2, reduction.report);
+  if (!has_elastic) require_not_below(reduction.omega2, reduction.report);
   reduction.report.seconds_certificate = watch.lap();
 }
 
@@ -357,7 +362,8 @@ TiedModel assembled(const From& from, const ReductionOptions& options) {
 
 }  // namespace
 
-Reduction craig_bampton(const Part& whole, const PartShare& share, const ReductionOptions& options) {
+Reduction craig_bampton(const Part& whole, const Part& part, const PartShare& share,
+                        const ReductionOptions& options) {
   Reduction reduction;
   linalg::Stopwatch watch;
   const TiedModel model = [&] {
@@ -367,13 +373,11 @@ Reduction craig_bampton(const Part& whole, const PartShare& share, const Reducti
   reduction.report.seconds_assembly = watch.lap();
   reduction.report.notes.push_back(
       fmt::format("{} processes share the elements, the factorisations and the solves", share.team->size()));
-  reduce_model(whole, whole, model, options, reduction);
+  reduce_model(whole, part, model, options, reduction);
   return reduction;
 }
 
 Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
-  if (options.team && !has_elastic_ties(whole)) return lead_reduction(whole, options);
-  Reduction reduction;
   std::optional<Part> stiff;
   if (has_elastic_ties(whole)) {
     if (options.set == ModeSet::craig_chang || options.accuracy > 0.0)
@@ -387,11 +391,11 @@ Reduction craig_bampton(const Part& whole, const ReductionOptions& options) {
     stiff = with_rigid_faces(whole);
   }
   const Part& part = stiff ? *stiff : whole;
+  if (options.team) return lead_reduction(whole, part, options);
+  Reduction reduction;
   linalg::Stopwatch watch;
   const TiedModel model = assembled(part, options);
   reduction.report.seconds_assembly = watch.lap();
-  if (options.team)
-    reduction.report.notes.push_back("the first process has worked alone: several do not share elastic ties");
   reduce_model(whole, part, model, options, reduction);
   reduction.report.peak_memory_bytes = linalg::peak_memory();
   return reduction;

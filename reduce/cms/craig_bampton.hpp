@@ -21,9 +21,10 @@ namespace flexura::reduce {
 /// Rank 0 of options.team leads the others.
 Reduction craig_bampton(const Part& part, const ReductionOptions& options);
 
-/// On each rank of a team, within Team::in_step(), with what it has of the part; `whole` is the part itself on rank 0, whose
-/// the result is, and share.part on the others.  Fields of loads are by the nodes of share.part, other nodes in the options
-/// by those of the whole part.
-Reduction craig_bampton(const Part& whole, const PartShare& share, const ReductionOptions& options);
+/// On each rank of a team, within Team::in_step(), with what it has of `part`, which is `whole` with its elastic ties rigid.
+/// Both are parts themselves on rank 0, whose the result is, and share.part on the others.  Fields of loads are by the nodes of
+/// share.part, other nodes in the options by those of the whole part.
+Reduction craig_bampton(const Part& whole, const Part& part, const PartShare& share,
+                        const ReductionOptions& options);
 
 }  // namespace flexura::reduce

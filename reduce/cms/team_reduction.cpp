@@ -35,6 +35,7 @@ void put_options(Message& message, const ReductionOptions& options, const std::v
   for (const int number : {options.n_modes, options.most_modes}) message.put(number);
   for (const double number : {options.omega_max, options.accuracy, options.effective_mass, options.tolerance})
     message.put(number);
+  message.put(options.interface_modes);
   message.put(options.eigensolver);
   for (const bool flag : {options.certify, options.estimate_error, options.estimate_mesh, options.stiffening})
     message.put(flag);
@@ -55,6 +56,7 @@ ReductionOptions take_options(Message& message) {
   for (int* number : {&options.n_modes, &options.most_modes}) *number = message.take<int>();
   for (double* number : {&options.omega_max, &options.accuracy, &options.effective_mass, &options.tolerance})
     *number = message.take<double>();
+  options.interface_modes = message.take<InterfaceModesRequest>();
   options.eigensolver = message.take<Eigensolver>();
   for (bool* flag : {&options.certify, &options.estimate_error, &options.estimate_mesh, &options.stiffening})
     *flag = message.take<bool>();
@@ -79,7 +81,7 @@ void join_reduction(const linalg::Team& team) {
   const PartShare share = take_share(team);
   Message message = team.receive(0);
   const ReductionOptions options = take_options(message);
-  craig_bampton(share.part, share, options);
+  craig_bampton(share.part, share.part, share, options);
 }
 
 double peak_memory_of_others(const linalg::Team& team) {
@@ -91,10 +93,10 @@ double peak_memory_of_others(const linalg::Team& team) {
 
 }  // namespace
 
-Reduction lead_reduction(const Part& whole, const ReductionOptions& options) {
+Reduction lead_reduction(const Part& whole, const Part& part, const ReductionOptions& options) {
   const linalg::Team& team = *options.team;
   Reduction reduction;
-  std::optional<SharedPart> shared(std::in_place, team, whole);
+  std::optional<SharedPart> shared(std::in_place, team, part);
   team.call(Task::reduce);
   team.in_step([&] {
     const PartShare share = shared->hand_out();
@@ -106,7 +108,7 @@ Reduction lead_reduction(const Part& whole, const ReductionOptions& options) {
     ReductionOptions own = options;
     own.loads = loads_of(options.loads, *shared, 0);
     shared.reset();
-    reduction = craig_bampton(whole, share, own);
+    reduction = craig_bampton(whole, part, share, own);
   });
   // Strains of all cells are here alone.
   if (!options.stress_nodes.empty()) reduction.stress_of_loads = stress_of_preloads(whole, options);

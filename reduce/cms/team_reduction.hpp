@@ -10,8 +10,8 @@
 /// the nodes of the surface, the small matrices, and once the factor is gone the judged motions on all nodes.
 namespace flexura::reduce {
 
-/// On rank 0 of options.team.
-Reduction lead_reduction(const Part& whole, const ReductionOptions& options);
+/// On rank 0 of options.team; `part` is `whole` with its elastic ties rigid.
+Reduction lead_reduction(const Part& whole, const Part& part, const ReductionOptions& options);
 
 /// What the ranks that do not lead do until rank 0 sends them home.
 void serve(const linalg::Team& team);

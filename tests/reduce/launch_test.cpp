@@ -120,6 +120,21 @@ void expect_same_fields(const superelement::Superelement& a, const superelement:
         << a.mesh_error->interfaces[k].name;
 }
 
+// The superelements that one process makes and `size` of them.
+std::array<superelement::Superelement, 2> by_one_and_by(const test::Folder& folder, int size,
+                                                        std::vector<std::string> arguments) {
+  arguments.push_back("-o");
+  arguments.push_back(folder / "alone.se.h5");
+  const test::Outcome one = test::run("flexura-reduce", arguments);
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  arguments.back() = folder / "together.se.h5";
+  const test::Outcome all = under_mpirun(folder, size, arguments);
+  EXPECT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_THAT(all.out, ::testing::HasSubstr(std::to_string(size) + " processes share the elements"));
+  return {superelement::read(folder / "alone.se.h5", kAll),
+          superelement::read(folder / "together.se.h5", kAll)};
+}
+
 class ByProcesses : public ::testing::TestWithParam<int> {};
 
 // The cantilever of hexahedra is square: its bending modes come in pairs, whose directions nothing tells
@@ -195,16 +210,62 @@ TEST_P(ByProcesses, FreeModesAndAttachmentModesAreThoseOfOne) {
                      "[link.strut]\nnodes = [13, 17]\nstiffness = \"1e9 N/m\"\ndamping = \"100 N s/m\"\n"
                      "[load.weight]\ntype = \"gravity\"\nacceleration = [0, 0, -9.81]\n")
           .string();
-  const std::string alone = folder / "alone.se.h5", together = folder / "together.se.h5";
-  const test::Outcome one = test::run("flexura-reduce", {part, "-o", alone, "-q"});
-  ASSERT_EQ(one.exit_code, 0) << one.err;
-  const test::Outcome all = under_mpirun(folder, GetParam(), {part, "-o", together});
-  ASSERT_EQ(all.exit_code, 0) << all.err;
-  EXPECT_THAT(all.out, ::testing::HasSubstr(std::to_string(GetParam()) + " processes share the elements"));
-  const superelement::Superelement a = superelement::read(alone, kAll),
-                                   b = superelement::read(together, kAll);
+  const auto [a, b] = by_one_and_by(folder, GetParam(), {part});
   expect_same(a, b);
   expect_same_fields(a, b);
+}
+
+// Elastic ties are two models, one with the averages and one with rigid faces.  A face of 25 nodes, whose motions are treated
+// as a whole; a mass and a load on it.
+TEST_P(ByProcesses, InterfaceModesOfElasticTiesAreThoseOfOne) {
+  const test::Folder folder;
+  const std::string deck = std::string(FLEXURA_SOURCE_DIR) + "/tests/mesh/data/blockC3D10.inp";
+  const std::string part =
+      folder
+          .write(
+              "block.toml",
+              "stiffening = true\n[geometry]\nfile = \"" + deck +
+                  "\"\n[modes]\ncount = 8\ncertify = true\ninterface_count = 12\n[recovery]\nstress = true\n"
+                  "precision = \"double\"\n"
+                  "[interface.left]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n"
+                  "directions = [\"x\", \"y\", \"z\", \"rx\"]\n"
+                  "[interface.right]\nby = \"plane\"\npoint = [4, 0, 0]\nnormal = [1, 0, 0]\n"
+                  "tie = \"elastic\"\n"
+                  "[mass_point.motor]\nmass = 2000\ninterface = \"left\"\noffset = [-0.3, 0.1, 0]\n"
+                  "[mass_point.lamp]\nmass = 500\nnode = 12\n"
+                  "[link.strut]\nnodes = [13, 17]\nstiffness = \"1e9 N/m\"\ndamping = \"100 N s/m\"\n"
+                  "[load.weight]\ntype = \"gravity\"\nacceleration = [0, 0, -9.81]\nkeep_shape = true\n")
+          .string();
+  const auto [a, b] = by_one_and_by(folder, GetParam(), {part});
+  EXPECT_EQ(a.n_q, 8 + 1 + 12);
+  ASSERT_TRUE(a.mesh_error);
+  EXPECT_EQ(a.mesh_error->interfaces.size(), 1u)
+      << "four directions of the left end do not hold the right one";
+  expect_same(a, b);
+  expect_same_fields(a, b);
+}
+
+// A bore of 202 nodes, where Lanczos works; the other ties rigid and, with all that hold it, averages.  Interface modes up to a
+// frequency, and for an accuracy of the static stiffness.
+TEST_P(ByProcesses, InterfaceModesUpToAFrequencyOrAnAccuracyAreThoseOfOne) {
+  const test::Folder folder;
+  const std::vector<std::string> bracket = {std::string(FLEXURA_SOURCE_DIR) + "/cases/cad_parts/bracket.toml",
+                                            "--mesh-size",
+                                            "12 mm",
+                                            "-n",
+                                            "8",
+                                            "--set",
+                                            "interface.bearing.tie=elastic"};
+  for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
+           {"--set", "modes.interface_up_to=60 kHz"},
+           {"--set", "modes.interface_accuracy=0.02", "--set", "interface.screw_left.tie=average", "--set",
+            "interface.screw_right.tie=average"}}) {
+    std::vector<std::string> arguments = bracket;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto [a, b] = by_one_and_by(folder, GetParam(), arguments);
+    EXPECT_GT(a.n_q, 8 + 4) << more[1];
+    expect_same(a, b);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Launch, ByProcesses, ::testing::Values(2, 4),

@@ -16,6 +16,19 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+namespace {
+
+// What others do not hold has a motion without stiffness, of which round-off leaves a little of either sign.  With ones on the
+// diagonal whatever is held has more than the digits that a condensed stiffness has.
+bool is_held(const MatrixXd& K) {
+  constexpr double kDigits = 1e-10;
+  if (!(K.diagonal().array() > 0.0).all()) return false;
+  const VectorXd scale = K.diagonal().cwiseSqrt().cwiseInverse();
+  return linalg::symmetric_eigen(scale.asDiagonal() * K * scale.asDiagonal()).values(0) > kDigits;
+}
+
+}  // namespace
+
 JudgedMotions judged_motions(const Reduction& r, double omega_max) {
   constexpr int kLeast = 10, kMost = 60;
   JudgedMotions out;
@@ -44,9 +57,9 @@ JudgedMotions judged_motions(const Reduction& r, double omega_max) {
       out.n_directions.push_back(0);
       continue;
     }
-    const Eigen::LLT<MatrixXd> K(r.K_se.block(interface.first_dof, interface.first_dof, n, n));
-    if (K.info() != Eigen::Success) continue;  // what the others hold does not hold this one
-    const MatrixXd C = K.solve(MatrixXd::Identity(n, n));
+    const MatrixXd K = r.K_se.block(interface.first_dof, interface.first_dof, n, n);
+    if (!is_held(K)) continue;
+    const MatrixXd C = K.llt().solve(MatrixXd::Identity(n, n));
     for (Index d = 0; d < n; ++d) {
       VectorXd answer = VectorXd::Zero(r.n());
       answer.segment(interface.first_dof, n) = C.col(d);

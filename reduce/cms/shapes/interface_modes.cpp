@@ -6,8 +6,10 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "reduce/cms/shapes/constraint_modes.hpp"
+#include "reduce/cms/shapes/fixed_interface.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 #include "reduce/linalg/eigen/eigensolver.hpp"
 
@@ -17,18 +19,26 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// Interior vectors of the soft model in their two parts.
+// Interior vectors of the soft model in their two parts, by the rows here.
 class Condensation {
  public:
   Condensation(const TiedSolver& soft, const TiedSolver& stiff)
-      : soft_(soft), stiff_(stiff), rest_(stiff.model().motions().interior_in(soft.model().motions())) {
-    std::vector<char> inside(soft.model().n_i(), 0);
+      : soft_(soft), stiff_(stiff), rest_(stiff.model().rows_in(soft.model())) {
+    std::vector<char> inside(soft.model().n_rows(), 0);
     for (const int i : rest_) inside[i] = 1;
-    for (int i = 0; i < soft.model().n_i(); ++i)
+    for (int i = 0; i < soft.model().n_rows(); ++i)
       if (!inside[i]) face_.push_back(i);
+    n_face_ = static_cast<Index>(face_.size());
+    if (const PartShare* share = soft.model().share()) {
+      MatrixXd numbers = MatrixXd::Zero(share->team->size(), 1);
+      numbers(share->team->rank()) = static_cast<double>(face_.size());
+      numbers = soft.model().sum(std::move(numbers));
+      n_face_ = static_cast<Index>(numbers.sum());
+      face_before_ = static_cast<Index>(numbers.topRows(share->team->rank()).sum());
+    }
   }
 
-  Index n_face() const { return static_cast<Index>(face_.size()); }
+  Index n_face() const { return n_face_; }
   /// Without the rigid motions.
   Index n_free() const { return n_face() - (soft_.model().A().rows() - stiff_.model().A().rows()); }
 
@@ -45,7 +55,7 @@ class Condensation {
   MatrixXd extended(MatrixXd X) const {
     X(rest_, Eigen::all).setZero();
     MatrixXd KX;
-    soft_.model().K_ii().multiply(X, KX);
+    soft_.model().multiply_K(X, KX);
     X(rest_, Eigen::all) = -stiff_.solve(rest_of(KX));
     return X;
   }
@@ -54,7 +64,7 @@ class Condensation {
   void condense(MatrixXd& R) const {
     MatrixXd Y = MatrixXd::Zero(R.rows(), R.cols()), KY;
     Y(rest_, Eigen::all) = stiff_.solve(rest_of(R));
-    soft_.model().K_ii().multiply(Y, KY);
+    soft_.model().multiply_K(Y, KY);
     R(face_, Eigen::all) -= KY(face_, Eigen::all);
     R(rest_, Eigen::all).setZero();
     soft_.remove_reactions(R);
@@ -62,13 +72,16 @@ class Condensation {
 
   /// L w of a basis of all motions without mean.
   MatrixXd whole_space() const {
-    const MatrixXd A = MatrixXd(soft_.model().A())(Eigen::all, face_);
+    const auto n_here = static_cast<Index>(face_.size());
+    MatrixXd A = MatrixXd::Zero(soft_.model().A().rows(), n_face_);  // on the faces of all ranks
+    A.middleCols(face_before_, n_here) = MatrixXd(soft_.model().A())(Eigen::all, face_);
+    A = soft_.model().sum(std::move(A));
     std::vector<Index> rows;  // of the elastic ties; other averages have none of these nodes
     for (Index r = 0; r < A.rows(); ++r)
       if (A.row(r).squaredNorm() > 0.0) rows.push_back(r);
     const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(A(rows, Eigen::all).transpose()).householderQ();
-    MatrixXd W = MatrixXd::Zero(soft_.model().n_i(), n_free());
-    W(face_, Eigen::all) = Q.rightCols(n_free());
+    MatrixXd W = MatrixXd::Zero(soft_.model().n_rows(), n_free());
+    W(face_, Eigen::all) = Q.rightCols(n_free()).middleRows(face_before_, n_here);
     return extended(std::move(W));
   }
 
@@ -76,8 +89,9 @@ class Condensation {
   MatrixXd constraint_modes_on_soft(const MatrixXd& Psi) const {
     const Index n_b = Psi.cols();
     MatrixXd U, P, boundary;
-    stiff_.model().motions().expand(Psi, MatrixXd::Identity(n_b, n_b), U);
+    stiff_.model().expand(Psi, MatrixXd::Identity(n_b, n_b), U);
     soft_.model().motions().gather(U, P, boundary);  // of nodes: puts each displacement in its place
+    P = soft_.model().own_rows(std::move(P));
     P(rest_, Eigen::all) = Psi;
     return P;
   }
@@ -85,6 +99,7 @@ class Condensation {
  private:
   const TiedSolver &soft_, &stiff_;
   std::vector<int> rest_, face_;
+  Index n_face_ = 0, face_before_ = 0;  // of all ranks, of those before this one
 };
 
 // All pairs of a small space: an iteration has nothing to gain there, and near the space's end round-off is
@@ -93,7 +108,7 @@ linalg::EigenPairs all_pairs(const linalg::EigenProblem& problem, const MatrixXd
   MatrixXd KW, MW;
   problem.multiply_K(W, KW);
   problem.multiply_M(W, MW);
-  const MatrixXd K = linalg::transpose_times(W, KW), M = linalg::transpose_times(W, MW);
+  const MatrixXd K = problem.inner(W, KW), M = problem.inner(W, MW);
   const linalg::DenseEigen eigen =
       linalg::generalized_eigen(0.5 * (K + K.transpose()), 0.5 * (M + M.transpose()));
   linalg::EigenPairs pairs;
@@ -150,23 +165,15 @@ InterfaceModes interface_modes(const TiedSolver& soft, const TiedSolver& stiff, 
         "a single one; give their number or a frequency");
   const Condensation condensation(soft, stiff);
 
-  linalg::EigenProblem problem;
-  problem.n = model.n_i();
+  linalg::EigenProblem problem = interior_problem(model);
   problem.n_free = static_cast<int>(condensation.n_free());
   problem.solve = [&](const Eigen::Ref<const MatrixXd>& Z, MatrixXd& X) { X = condensation.solve(Z); };
-  problem.multiply_K = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { model.K_ii().multiply(X, Y); };
-  problem.multiply_M = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) {
-    model.matrices().multiply_M_ii(X, Y);
-  };
-  problem.multiply_magnitudes = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) {
-    model.K_ii().multiply_magnitudes(X, Y);
-  };
   problem.condense = [&](MatrixXd& R) { condensation.condense(R); };
 
   // What loads the faces when the interface dofs move one by one.
   MatrixXd load;
-  model.K_ii().multiply(condensation.constraint_modes_on_soft(Psi), load);
-  load += model.K_ib();
+  model.multiply_K(condensation.constraint_modes_on_soft(Psi), load);
+  load += model.dense_K_ib();
   const bool measured = n_b > 6;
   const MatrixXd K_soft = measured ? constraint_modes(model, soft).K_bb : MatrixXd();
 
@@ -185,7 +192,7 @@ InterfaceModes interface_modes(const TiedSolver& soft, const TiedSolver& stiff, 
     } else if (wanted.count > 0 || wanted.omega2_max > 0.0) {
       pairs = linalg::block_lanczos(problem, wanted, progress);
     }
-    out.K_bw = linalg::transpose_times(load, pairs.Phi);
+    out.K_bw = model.inner(load, pairs.Phi);
     Index kept = pairs.omega2.size();
     if (measured) {
       const Eigen::VectorXd errors =
@@ -208,12 +215,12 @@ InterfaceModes interface_modes(const TiedSolver& soft, const TiedSolver& stiff, 
     // Exactly static in the rest, so that they have no stiffness in common with fixed-interface modes.
     const MatrixXd W = condensation.extended(pairs.Phi);
     MatrixXd KW;
-    model.K_ii().multiply(W, KW);
-    out.K_ww = linalg::transpose_times(W, KW);
+    model.multiply_K(W, KW);
+    out.K_ww = model.inner(W, KW);
     out.K_ww = (0.5 * (out.K_ww + out.K_ww.transpose())).eval();
-    out.K_bw = linalg::transpose_times(load, W);
+    out.K_bw = model.inner(load, W);
     out.omega2 = pairs.omega2;
-    model.motions().expand(W, MatrixXd::Zero(n_b, W.cols()), out.U);
+    model.expand(W, MatrixXd::Zero(n_b, W.cols()), out.U);
     return out;
   }
 }

@@ -33,7 +33,7 @@ bool has_elastic_ties(const Part& part);
 Part with_rigid_faces(Part part);
 
 struct InterfaceModes {
-  Eigen::MatrixXd U;       ///< 3 n_nodes x k: L w on all nodes, mass-orthonormal
+  Eigen::MatrixXd U;       ///< 3 n_nodes x k: L w on all nodes here, mass-orthonormal
   Eigen::MatrixXd K_bw;    ///< n_b x k: stiffness in common with the constraint modes of the rigid ties
   Eigen::MatrixXd K_ww;    ///< k x k
   Eigen::VectorXd omega2;  ///< k [rad^2/s^2]
@@ -43,9 +43,10 @@ struct InterfaceModes {
   double stiffness_error = -1.0;
 };
 
-/// `stiff` and `soft` are models of with_rigid_faces(part) and of the part itself; `Psi` and `K_bb` the
-/// constraint modes and condensed stiffness of `stiff`.  std::invalid_argument where an elastic tie does not
-/// retain all six directions, and for an accuracy that cannot be reached or measured.
+/// `stiff` and `soft` are models of with_rigid_faces(part) and of the part itself, or of shares of both that are cut alike
+/// (share_retied()): then it is collective; `Psi` and `K_bb` the constraint modes and condensed stiffness of `stiff`.
+/// std::invalid_argument where an elastic tie does not retain all six directions, and for an accuracy that cannot be reached or
+/// measured.
 InterfaceModes interface_modes(const TiedSolver& soft, const TiedSolver& stiff, const Eigen::MatrixXd& Psi,
                                const Eigen::MatrixXd& K_bb, const InterfaceModesRequest& request,
                                const linalg::Progress& progress);
