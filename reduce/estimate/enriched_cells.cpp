@@ -112,27 +112,28 @@ EnrichedCells::EnrichedCells(mesh::CellType type, const std::vector<Material>& m
             terms_.push_back({a, b, 3 * c + d, 6 * i + j});
         }
   const auto lanes = [](std::size_t count) { return std::vector<float>(count * kLanes, 0.0f); };
-  const auto N = static_cast<std::size_t>(3 * n()), n_points = rule_.points.size();
+  const int N = 3 * n();
+  const std::size_t n_points = rule_.points.size();
   const auto& centre = solid_element(type).centre.points.front();
   for (int i = 0; i < m_; ++i)
     for (int d = 0; d < 3; ++d) centre_.push_back(static_cast<float>(centre.dN(i, d)));
-  place_ = lanes(static_cast<std::size_t>(3 * m_));
-  turn_ = lanes(static_cast<std::size_t>(3 * m_));
+  place_ = lanes(3 * m_);
+  turn_ = lanes(3 * m_);
   map_ = lanes(10 * n_points);
   D_ = lanes(36);
   density_ = lanes(1);
   sign_ = lanes(static_cast<std::size_t>(n()));
   gradients_ = lanes(N * n_points);
-  coupling_ = lanes(static_cast<std::size_t>(9 * g_ * m_));
-  mass_ = lanes(static_cast<std::size_t>(g_ * m_));
-  diagonal_ = lanes(static_cast<std::size_t>(3 * g_));
+  coupling_ = lanes(9 * g_ * m_);
+  mass_ = lanes(g_ * m_);
+  diagonal_ = lanes(3 * g_);
 }
 
 void EnrichedCells::take(const Cell (&cells)[kLanes]) {
   const auto n_points = static_cast<int>(rule_.points.size());
   for (int lane = 0; lane < kLanes; ++lane) {
     const auto put = [lane](std::vector<float>& v, int k, double value) {
-      v[static_cast<std::size_t>(k * kLanes + lane)] = static_cast<float>(value);
+      v[k * kLanes + lane] = static_cast<float>(value);
     };
     const Cell& cell = cells[lane].x.rows() == 0 ? cells[0] : cells[lane];
     const Material& material = materials_[cell.material];
@@ -150,9 +151,8 @@ void EnrichedCells::take(const Cell (&cells)[kLanes]) {
     map_to_space(centre_.data(), place, m_, at_centre);
     for (int a = 0; a < m_; ++a)
       for (int c = 0; c < 3; ++c)
-        turn[3 * a + c] = 0.5f * (centre_[static_cast<std::size_t>(3 * a)] * at_centre[c] +
-                                  centre_[static_cast<std::size_t>(3 * a + 1)] * at_centre[3 + c] +
-                                  centre_[static_cast<std::size_t>(3 * a + 2)] * at_centre[6 + c]);
+        turn[3 * a + c] = 0.5f * (centre_[3 * a] * at_centre[c] + centre_[3 * a + 1] * at_centre[3 + c] +
+                                  centre_[3 * a + 2] * at_centre[6 + c]);
     for (int q = 0; q < n_points; ++q, map += 10) {
       const float* dw = functions_.data() + n() * (4 * q + 1);
       map_to_space(dw + 3 * g_, place, m_, map);
@@ -199,7 +199,7 @@ void EnrichedCells::compute_coupling() {
 void EnrichedCells::compute_stiffness() {
   const auto n_points = static_cast<int>(rule_.points.size());
   const int N = 3 * n();
-  K_.resize(static_cast<std::size_t>(N * N * kLanes));
+  K_.resize(N * N * kLanes);
   inverse_.resize(K_.size());
   on_this_machine([&]() __attribute__((always_inline)) {
     const Eight *map = eights(map_), *D = eights(D_), *sign = eights(sign_), *g = eights(gradients_);

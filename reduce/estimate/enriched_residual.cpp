@@ -176,7 +176,7 @@ EnrichedResidual enriched_residual(const Part& part, const EnrichedMesh& mesh, c
     const int count = std::min(kBatch, n_groups - first), chunks = std::min(kChunks, count);
     linalg::parallel_for(chunks, [&](int chunk) {
       for (int k = chunk * count / chunks; k < (chunk + 1) * count / chunks; ++k) {
-        const Group& group = groups[static_cast<std::size_t>(first + k)];
+        const Group& group = groups[first + k];
         const auto b = static_cast<std::size_t>(cells[group.first_cell].block);
         std::unique_ptr<Worker>& worker = of_chunks[static_cast<std::size_t>(chunk)][b];
         if (!worker) worker = std::make_unique<Worker>(part, mesh, part.mesh.solids[b]);
@@ -185,7 +185,7 @@ EnrichedResidual enriched_residual(const Part& part, const EnrichedMesh& mesh, c
       }
     });
     for (int k = 0; k < count; ++k) {
-      const Group& group = groups[static_cast<std::size_t>(first + k)];
+      const Group& group = groups[first + k];
       const float *r = residual.data() + k * residual_size, *s = stiffness.data() + k * stiffness_size;
       for (int lane = 0; lane < group.n_cells; ++lane) {
         const EnrichedMesh::Cell& cell = cells[group.first_cell + static_cast<std::size_t>(lane)];
@@ -196,8 +196,7 @@ EnrichedResidual enriched_residual(const Part& part, const EnrichedMesh& mesh, c
               panel.middleRows<3>(3 * static_cast<Index>(numbers[f])) +=
                   Eigen::Map<const Eigen::Matrix<float, 3, kStatesTogether, Eigen::RowMajor>>(r);
         for (int f = 0; f < cell.n_functions; ++f, s += 3)
-          for (int d = 0; d < 3 && numbers[f] >= 0; ++d)
-            out.stiffness[static_cast<std::size_t>(3 * numbers[f] + d)] += s[d];
+          for (int d = 0; d < 3 && numbers[f] >= 0; ++d) out.stiffness[3 * numbers[f] + d] += s[d];
       }
     }
     linalg::report(progress, "mesh error", 0.5 * (first + count) / n_groups);

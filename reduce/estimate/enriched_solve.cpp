@@ -168,8 +168,7 @@ void EnrichedSolve::weigh_shared_functions() {
   };
   for (const Cell& cell : cells_)
     for (int i = 0; i < 3 * cell.n; ++i)
-      if (const int f = number(cell, i); f >= 0)
-        total[static_cast<std::size_t>(3 * f + i % 3)] += diagonal(cell, i);
+      if (const int f = number(cell, i); f >= 0) total[3 * f + i % 3] += diagonal(cell, i);
   over_ranges([&](std::size_t p) {
     Eigen::VectorXf weight;
     for (std::size_t k = ranges_[p].first_cell; k < ranges_[p].last_cell; ++k) {
@@ -177,8 +176,7 @@ void EnrichedSolve::weigh_shared_functions() {
       const Index n = 3 * cell.n;
       weight.setZero(n);
       for (int i = 0; i < n; ++i)
-        if (const int f = number(cell, i); f >= 0)
-          weight(i) = diagonal(cell, i) / total[static_cast<std::size_t>(3 * f + i % 3)];
+        if (const int f = number(cell, i); f >= 0) weight(i) = diagonal(cell, i) / total[3 * f + i % 3];
       Eigen::Map<Eigen::MatrixXf> B(B_.data() + cell.first_entry, n, n);
       for (Index c = 0; c < n; ++c) B.col(c).array() *= weight.array() * weight(c);
     }

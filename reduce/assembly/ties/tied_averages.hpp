@@ -18,8 +18,8 @@ class TiedAverages {
   /// Throws std::invalid_argument where the mean is of nodes that another interface binds.
   TiedAverages(const Part& part, const TiedNumbering& numbering);
   /// Those of a share of a part: the columns of A that belong to its rows, and dofs().
-  TiedAverages(Eigen::SparseMatrix<double, Eigen::RowMajor> A, std::vector<int> dofs)
-      : A_(std::move(A)), dofs_(std::move(dofs)) {}
+  TiedAverages(const Eigen::SparseMatrix<double, Eigen::RowMajor>& A, std::vector<int> dofs)
+      : A_(A), dofs_(std::move(dofs)) {}
 
   /// n_a x n_i: averages of u_i; row r equals boundary dof dofs()[r].
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& A() const { return A_; }
