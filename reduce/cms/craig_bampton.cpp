@@ -258,7 +258,7 @@ class ReductionStages {
     // From here on the states on all nodes of the whole part, on rank 0 of a team.
     MatrixXd U = linalg::times(T_, motions_.states.Y);
     const bool enriched = model_.decide(enrichment_suits(whole_));
-    if (wants_stress_ || !enriched) states_ = on_all_nodes(model_, enriched ? U : std::move(U));
+    if (wants_stress_ || !enriched) states_ = on_all_nodes(model_, U);
     if (enriched) {
       if (answer_.cols() > 0 && !has_faces()) add_dropped(model_, basis_, Mhat_, answer_, motions_, U);
       U = on_all_nodes(model_, std::move(U));
