@@ -36,6 +36,16 @@ Index wanted(const VectorXd& omega2, const VectorXd& estimate, const EigenReques
   return count == 0 || estimate.head(count).maxCoeff() < accurate ? count : -1;
 }
 
+// Members of the largest cluster among the first `count`.
+Index largest_cluster(const VectorXd& omega2, Index count) {
+  Index largest = 0, first = 0;
+  for (Index k = 0; k < count; ++k) {
+    if (k > 0 && omega2(k) - omega2(k - 1) >= kClusterGap * std::abs(omega2(k))) first = k;
+    largest = std::max(largest, k - first + 1);
+  }
+  return largest;
+}
+
 }  // namespace
 
 int block_lanczos_width(int count) {
@@ -64,7 +74,7 @@ EigenPairs iterate_block_lanczos(const EigenProblem& problem, const EigenRequest
   LanczosSpace space(problem, settings.storage, b, std::min<Index>(problem.n_free + 2 * b, suggested));
   // The residual that is measured with K and M in the end was half of that of S, or round-off, on five solid parts of `cases`.
   double accurate = std::max(0.1 * request.tolerance, 1e-14);
-  int rounds_without_gain = 0;
+  int rounds_without_gain = 0, settled = 0;  // blocks before which nothing is taken for found
   LanczosLooks looks(n_rows, b, target + b);
   for (int step = 0;; ++step) {
     space.expand();
@@ -79,10 +89,15 @@ EigenPairs iterate_block_lanczos(const EigenProblem& problem, const EigenRequest
           "below the spectrum");
     Index count = wanted(omega2, ritz.estimate, request, accurate);
     const bool everything = space.exhausted();
-    if (everything && count < 0 && space.begin_anew()) {
+    // A cluster of as many members as vectors that the space has come from may have more, as equal bays between stiff bulkheads
+    // have.  With what is found out of their way others need no more blocks than that took, as a rule half of them.
+    const bool crowded = count > 0 && largest_cluster(omega2, count) >= space.n_starting();
+    if (((everything && count < 0) || crowded) && space.begin_anew(crowded ? space.n_starting() : b)) {
+      if (crowded) settled = space.n_blocks() + std::max(4, space.n_blocks() / 2);
       looks.set_next(space.size_with_newest());
       continue;
     }
+    if (!everything && space.n_blocks() < settled) count = -1;
     if (everything && count < 0) {
       // The whole space is spanned: everything there is has been found.
       count = std::min<Index>(request.count, omega2.size());
@@ -119,7 +134,9 @@ EigenPairs iterate_block_lanczos(const EigenProblem& problem, const EigenRequest
     if (space.is_full()) {
       // Thick restart: the best Ritz vectors and the newest block.  A search up to a frequency that has
       // outgrown the room gets more of it.
-      const Index keep = std::min<Index>(size, std::max(target, known) + 2 * b);
+      Index whole = std::min(size, std::max(target, known));  // of a cluster all, which take turns in being accurate
+      while (whole < size && omega2(whole) - omega2(whole - 1) < kClusterGap * std::abs(omega2(whole))) ++whole;
+      const Index keep = std::min<Index>(size, whole + 2 * b);
       if (2 * keep > space.capacity())
         space.reserve(std::min<Index>(problem.n_free, 2 * space.capacity()) + 2 * b);
       space.restart(ritz.Y.leftCols(keep), ritz.theta.head(keep));

@@ -22,18 +22,23 @@ LanczosSpace::LanczosSpace(const EigenProblem& problem, const VectorStorage& sto
       basis_(problem, storage, capacity),
       random_(20240229 + static_cast<unsigned>(problem.rank)),
       H_(0, 0) {
-  add_start();
-  newest_ = basis_.size();
+  add_start(block_);
 }
 
-// S M on random vectors joins the basis.
-void LanczosSpace::add_start() {
-  const MatrixXd X = random_numbers(problem_.n, block_, random_);
-  MatrixXd MX, W, C;
+// S M on random vectors joins the newest block.
+void LanczosSpace::add_start(Index width) {
+  const MatrixXd X = random_numbers(problem_.n, width, random_);
+  MatrixXd MX, W, C, R;
   problem_.multiply_M(X, MX);
   problem_.solve(MX, W);
-  basis_.append(std::move(W), C, R_);
-  n_solves_ += static_cast<int>(block_);
+  const Index old = basis_.size();
+  basis_.append(std::move(W), C, R);
+  const Index added = basis_.size() - old;
+  newest_ += added;
+  R_.conservativeResize(R_.rows() + added, Eigen::NoChange);  // S of what is there does not meet it
+  R_.bottomRows(added).setZero();
+  n_starting_ += width;
+  n_solves_ += static_cast<int>(width);
   ++n_blocks_;
 }
 
@@ -51,13 +56,13 @@ void LanczosSpace::expand() {
   newest_ = basis_.size() - old;
 }
 
-bool LanczosSpace::begin_anew() {
+bool LanczosSpace::begin_anew(Index width) {
   const Index old = basis_.size();
   if (old >= problem_.n_free) return false;
-  if (old + 2 * block_ > capacity_) reserve(old + 4 * block_);
-  add_start();
-  newest_ = basis_.size() - old;
-  return newest_ > 0;
+  if (width == 0) width = block_;
+  if (old + 2 * (newest_ + width) > capacity_) reserve(old + 4 * (newest_ + width));
+  add_start(width);
+  return basis_.size() > old;
 }
 
 void LanczosSpace::reserve(Index capacity) {
@@ -88,6 +93,7 @@ MatrixXd LanczosSpace::vectors(const MatrixXd& Y, const VectorXd& theta) const {
 void LanczosSpace::restart(const MatrixXd& Y, const VectorXd& theta) {
   basis_.restart(Y, newest_);
   H_ = theta.asDiagonal();
+  if (is_full()) reserve(basis_.size() + 4 * newest_);  // many vectors have joined the newest block
 }
 
 void LanczosLooks::plan(Index size, Index known, Index target, double too_large) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <functional>
 #include <random>
 
@@ -21,13 +22,14 @@ class LanczosSpace {
   void expand();
   /// S leaves the space as it is.
   bool exhausted() const { return newest_ == 0; }
-  /// No more than a block's width of vectors of a multiple eigenvalue are in the space of powers of S on it: goes on
-  /// with others beside it.  False where nothing is beside it.
-  bool begin_anew();
+  /// From s starting vectors powers of S make no more than s vectors of a multiple eigenvalue: so many more (0: a block) start beside
+  /// them.  False where nothing is beside the space.
+  bool begin_anew(Eigen::Index width = 0);
+  Eigen::Index n_starting() const { return n_starting_; }  ///< vectors from which the space has come
 
   Eigen::Index size() const { return H_.rows(); }  ///< of H
   Eigen::Index size_with_newest() const { return basis_.size(); }
-  bool is_full() const { return basis_.size() + block_ > capacity_; }
+  bool is_full() const { return basis_.size() + std::max(block_, newest_) > capacity_; }
   Eigen::Index capacity() const { return capacity_; }
   void reserve(Eigen::Index capacity);
 
@@ -47,7 +49,7 @@ class LanczosSpace {
   int n_blocks() const { return n_blocks_; }
 
  private:
-  void add_start();
+  void add_start(Eigen::Index width);
 
   const EigenProblem& problem_;
   Eigen::Index block_, capacity_;
@@ -55,6 +57,7 @@ class LanczosSpace {
   std::mt19937_64 random_;
   Eigen::MatrixXd H_, R_;
   Eigen::Index newest_ = 0, applied_ = 0;  // widths of the newest block, and of the one before
+  Eigen::Index n_starting_ = 0;
   int n_solves_ = 0, n_blocks_ = 0;
 };
 

@@ -269,6 +269,40 @@ TEST_P(Types, GiveTheSameEigenpairs) {
   while (exact[below] - exact[below - 1] < 1e-2) ++below;
   EXPECT_EQ(block_lanczos(problem, {1, 0.5 * (exact[below - 1] + exact[below]), 1e-9}).omega2.size(), below);
 }
+// Thirty equal chains of twelve springs that nothing joins, as equal bays between stiff bulkheads are: every eigenvalue is
+// thirtyfold, blocks have eight vectors.
+TEST(BlockLanczosType, FindsClustersThatAreLargerThanItsBlocks) {
+  constexpr int kChains = 30, kLength = 12;
+  std::vector<int> begin{0}, columns;
+  for (int i = 0; i < kChains * kLength; ++i) {
+    columns.push_back(i);
+    if (i % kLength + 1 < kLength) columns.push_back(i + 1);
+    begin.push_back(static_cast<int>(columns.size()));
+  }
+  SymmetricMatrix A(begin, columns);
+  for (int i = 0; i < kChains * kLength; ++i) {
+    A.add_to_diagonal(i, 2.0);
+    if (i % kLength + 1 < kLength) A.add_to_entry(i, i + 1, -1.0);
+  }
+  A.finish();
+  const CholeskyFactor factor(A);
+  EigenProblem problem;
+  problem.n = problem.n_free = A.size();
+  problem.solve = [&](const auto& X, auto& Y) { Y = factor.solve(X); };
+  problem.multiply_K = [&](const auto& X, auto& Y) { A.multiply(X, Y); };
+  problem.multiply_magnitudes = [&](const auto& X, auto& Y) { A.multiply_magnitudes(X, Y); };
+  problem.multiply_M = [](const auto& X, auto& Y) { Y = X; };
+  for (const int count : {1, 3, 20, 31, 80}) {
+    const EigenPairs pairs = block_lanczos(problem, {count, 0.0, 1e-9});
+    ASSERT_EQ(pairs.omega2.size(), (count + kChains - 1) / kChains * kChains) << count;
+    for (Eigen::Index k = 0; k < pairs.omega2.size(); ++k)
+      EXPECT_NEAR(pairs.omega2(k),
+                  2.0 - 2.0 * std::cos(static_cast<double>(k / kChains + 1) * std::numbers::pi / (kLength + 1)), 1e-13)
+          << "pair " << k << " of " << count;
+    EXPECT_LT(pairs.residual.maxCoeff(), 1e-9);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, Types,
                          ::testing::Values("blocklanczos", "krylovschur", "arnoldi", "subspace", "lobpcg",
                                            "gd", "jd"),
