@@ -134,6 +134,7 @@ int DistributedFactor::Impl::factorise(Mat A, Use use, PetscInt beyond_estimate)
 
 DistributedFactor::DistributedFactor(const Team& team, Terms terms, const RowShares& rows, Use use)
     : impl_(new Impl{team, rows, {}, {}, 0, 0, {}}) {
+  if (rows.n() == 0) return;  // all dofs are the interfaces'
   const SomeCores cores(team.cores_each());
   Matrix A;
   impl_->assemble(terms, A.mat);
@@ -147,6 +148,7 @@ Eigen::MatrixXd DistributedFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>
   const auto ok = [](PetscErrorCode code) { petsc_check(code, "solving over all processes"); };
   const PetscInt n = impl_->rows.n();
   const int n_own = impl_->n_own();
+  if (n == 0) return Eigen::MatrixXd(0, B.cols());
   const SomeCores cores(impl_->team.cores_each());
   Eigen::MatrixXd X(n_own, B.cols());
   for (Eigen::Index first = 0; first < B.cols(); first += kColumns) {
@@ -172,6 +174,7 @@ Eigen::MatrixXd DistributedFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>
 
 void DistributedFactor::view(_p_PetscViewer* viewer) const {
   const auto ok = [](PetscErrorCode code) { petsc_check(code, "showing a factor"); };
+  if (!impl_->L.mat) return;
   ok(PetscViewerPushFormat(viewer, PETSC_VIEWER_ASCII_INFO));
   ok(MatView(impl_->L.mat, viewer));
   ok(PetscViewerPopFormat(viewer));
