@@ -138,7 +138,9 @@ int modes_of_slice(EPS eps) {
     return 0;
   }
   if (!own.context->problem->shifted) return 0;
-  if (own.slice >= 0) return static_cast<int>(own.slice);
+  if (own.slice >= 0)  // of all that there are at most
+    return static_cast<int>(
+        std::min(own.slice, own.context->request.omega2_max > 0.0 ? eps->n : std::max<PetscInt>(eps->nev, 1)));
   return modes_per_slice(*own.context->problem, static_cast<double>(eps->n), static_cast<int>(eps->nev),
                          width_in_slices(eps));
 }
@@ -310,9 +312,11 @@ PetscErrorCode set_from_options(EPS eps, PetscOptionItems* PetscOptionsObject) {
       "-eps_blocklanczos_block", "right-hand sides solved for together; 8, or 16 for many modes in one basis",
       "", block, &block, &given, 1));
   if (given) data(eps).block = block;
-  PetscCall(PetscOptionsInt("-eps_blocklanczos_slice",
-                            "modes of a slice of the spectrum; 0: one basis for all", "", data(eps).slice,
-                            &data(eps).slice, nullptr));
+  PetscInt slice = std::max<PetscInt>(data(eps).slice, 0);
+  PetscCall(PetscOptionsBoundedInt("-eps_blocklanczos_slice",
+                                   "modes of a slice of the spectrum; 0: one basis for all", "", slice,
+                                   &slice, &given, 0));
+  if (given) data(eps).slice = slice;
   PetscOptionsHeadEnd();
   return 0;
 }

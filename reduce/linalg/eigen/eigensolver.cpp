@@ -236,6 +236,18 @@ void create(Objects& o, Shell& shell, const char* type, int count, double tolera
   ok(EPSSetFromOptions(o.eps));
 }
 
+// What only this type or this number of modes cannot do is found here: it is the options that ask for it.
+void set_up(EPS eps) {
+  try {
+    ok(EPSSetUp(eps));
+  } catch (const std::runtime_error& error) {
+    if (!petsc_is_sound()) throw;
+    throw std::invalid_argument(fmt::format(
+        "the PETSc options do not suit these modes: {}; docs/petsc.md says which options make sense",
+        error.what()));
+  }
+}
+
 EigenPairs take_pairs(EPS eps, Mat K, int n) {
   PetscInt converged = 0;
   ok(EPSGetConverged(eps, &converged));
@@ -278,6 +290,7 @@ EigenPairs solve_for(const EigenProblem& problem, const EigenRequest& request, i
     ok(EPSGetDimensions(o.eps, nullptr, &n_vectors, &most_projected));
     ok(EPSSetDimensions(o.eps, std::max(1, std::min(request.count, problem.n_free)), n_vectors,
                         most_projected));
+    set_up(o.eps);
     ok(EPSSolve(o.eps));
     return std::move(context.pairs);
   }
@@ -285,13 +298,14 @@ EigenPairs solve_for(const EigenProblem& problem, const EigenRequest& request, i
   // Where averages hold the vectors a method must start in their space, with all the vectors that it starts with.
   std::mt19937_64 random(20240229 + static_cast<unsigned>(problem.rank));
   PetscInt n_start = 1, n_rows = 0;
-  if (!inverts(o.eps)) {
-    ok(EPSGetDimensions(o.eps, &n_start, nullptr, nullptr));
+  if (!inverts(o.eps)) ok(EPSGetDimensions(o.eps, &n_start, nullptr, nullptr));
+  if (!inverts(o.eps) || chosen == EPSLAPACK) {  // which asks for all columns of the inverse, of all directions
     ok(MatGetSize(o.K, &n_rows, nullptr));
     if (problem.project && problem.n_free < n_rows) project(shell, random);
   }
   for (PetscInt k = 0; k < n_start; ++k) o.start.push_back(starting_vector(problem, o.K, random));
   ok(EPSSetInitialSpace(o.eps, n_start, o.start.data()));
+  set_up(o.eps);
   ok(EPSSolve(o.eps));
   EigenPairs pairs = take_pairs(o.eps, o.K, problem.n);
   const auto found = static_cast<int>(pairs.omega2.size());
@@ -341,6 +355,11 @@ void read_options(const EigenProblem& problem) {
   Shell shell{problem};
   Objects o;
   create(o, shell, kBlockLanczos, 1, 1e-9);
+  // Types that cannot do it at all refuse to be set up; a basis as long as options ask for is longer than this problem.
+  BlockLanczosContext context{&problem, {.count = 1}, {}, {}};
+  if (type_of(o.eps) == kBlockLanczos) set_context(o.eps, context);
+  ok(EPSSetDimensions(o.eps, 1, PETSC_DEFAULT, PETSC_DEFAULT));
+  ok(EPSSetUp(o.eps));
 }
 
 EigenPairs krylov_schur(const EigenProblem& problem, const EigenRequest& request, const Progress& progress) {

@@ -165,6 +165,10 @@ void DirectSolver::test(const UpperCsr& A, bool definite) {
   multiply(A, X, AX);
   const bool small = (AX - B).colwise().norm().maxCoeff() < kResidual;
   const bool positive = B.cwiseProduct(X).colwise().sum().minCoeff() > 0.0;
+  if (!factor_ && !small)
+    throw std::invalid_argument(
+        "the solver that the PETSc options choose does not solve with the stiffness matrix: a preconditioner (-pc_type) alone "
+        "does not, it needs a method (-ksp_type cg) and a matrix for which that converges");
   failure_.failed = !small || (definite && !positive);
 }
 

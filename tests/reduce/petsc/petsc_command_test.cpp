@@ -101,7 +101,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Case{"KrylovSchurMumps", "-eps_type krylovschur -pc_factor_mat_solver_type mumps", ""},
         Case{"Cholmod", "-pc_factor_mat_solver_type cholmod", ""}, Case{"Lobpcg", "-eps_type lobpcg", ""},
-        Case{"JacobiDavidson", "-eps_type jd", ""},
+        Case{"JacobiDavidson", "-eps_type jd", ""}, Case{"Lapack", "-eps_type lapack", ""},
+        Case{"SliceOfAll", "-eps_blocklanczos_slice 1000000000", ""},
         Case{"LobpcgCholmod", "-eps_type lobpcg -pc_factor_mat_solver_type cholmod", ""},
         Case{"SinglePrecision", "-mat_fronts_precision single", ""},
         Case{"Slices", "-eps_blocklanczos_slice 2", ""},
@@ -229,6 +230,7 @@ TEST(Petsc, WhatIsRefusedLeavesNothingBehind) {
   expect_refusal(part, {"--petsc", "-options_file options"}, "-options_file");
   expect_refusal(part, {"--petsc", "-log_view :log.txt"}, "-log_view");
   expect_refusal(part, {"--petsc", "-eps_typ lobpcg"}, "-eps_typ");
+  expect_refusal(part, {"--petsc", "-eps_type krylovschur -eps_ncv 3"}, "ncv must be at least nev+1");
   expect_refusal(deck_part(folder, "bad.toml", "[solver]\npetsc = \"-eps_view :x\"\n"), {},
                  "solver.petsc: PETSc option -eps_view :x");
   // Files that PETSc reads and variables that it looks at do not count.

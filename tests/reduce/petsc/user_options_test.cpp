@@ -114,6 +114,13 @@ TEST(UserOptions, MisspeltAndUnusedOnesAreNamedBeforeTheWorkBegins) {
   EXPECT_THAT(refusal("-ksp_type nothing"), HasSubstr("nothing"));
   EXPECT_THAT(refusal("-eps_tol small"), HasSubstr("small"));
   EXPECT_THAT(refusal("-mat_fronts_storage attic"), HasSubstr("attic"));
+  EXPECT_THAT(refusal("-eps_blocklanczos_slice -5"), HasSubstr("-5 less than allowed bound 0"));
+  // What a type cannot do at all, not only for one problem; a preconditioner that is no solver.
+  EXPECT_THAT(refusal("-eps_type ciss"), HasSubstr("only computing all eigenvalues"));
+  EXPECT_THAT(refusal("-eps_harmonic"), HasSubstr("only supports Ritz extraction"));
+  EXPECT_THAT(refusal("-st_pc_type none"), HasSubstr("by the reduction's own solver"));
+  EXPECT_THAT(refusal("-pc_type jacobi"), HasSubstr("it needs a method (-ksp_type cg)"));
+  EXPECT_EQ(refusal("-eps_ncv 300 -eps_mpd 200 -eps_blocklanczos_slice 250"), "");
   // Of a solver that is not chosen.
   EXPECT_THAT(refusal("-mat_mumps_icntl_14 50"), HasSubstr("-mat_mumps_icntl_14: nothing"));
   EXPECT_THAT(refusal("-eps_blocklanczos_block 8 -eps_type krylovschur"),
