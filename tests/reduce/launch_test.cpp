@@ -285,17 +285,18 @@ TEST(Launch, ModesChosenByEffectiveMassAreThoseOfOne) {
 // One brick between two rigid interfaces: no process has anything to factorise, which MUMPS refused.
 TEST(Launch, APartWithoutInteriorDofsIsThatOfOne) {
   const test::Folder folder;
-  folder.write("brick.inp",
-               "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n"
-               "*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*SOLID SECTION, ELSET=E, MATERIAL=S\n"
-               "*MATERIAL, NAME=S\n*ELASTIC\n2.1e11, 0.3\n*DENSITY\n7850.\n");
-  const std::string part =
-      folder
-          .write("brick.toml",
-                 "[geometry]\nfile = \"brick.inp\"\nunit = \"m\"\n[modes]\ncount = 5\n"
-                 "[interface.left]\nby = \"nodes\"\nnodes = [1, 4, 5, 8]\n"
-                 "[interface.right]\nby = \"nodes\"\nnodes = [2, 3, 6, 7]\n")
-          .string();
+  folder.write(
+      "brick.inp",
+      "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, "
+      "1\n"
+      "*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*SOLID SECTION, ELSET=E, MATERIAL=S\n"
+      "*MATERIAL, NAME=S\n*ELASTIC\n2.1e11, 0.3\n*DENSITY\n7850.\n");
+  const std::string part = folder
+                               .write("brick.toml",
+                                      "[geometry]\nfile = \"brick.inp\"\nunit = \"m\"\n[modes]\ncount = 5\n"
+                                      "[interface.left]\nby = \"nodes\"\nnodes = [1, 4, 5, 8]\n"
+                                      "[interface.right]\nby = \"nodes\"\nnodes = [2, 3, 6, 7]\n")
+                               .string();
   const std::string alone = folder / "alone.se.h5", together = folder / "together.se.h5";
   ASSERT_EQ(test::run("flexura-reduce", {part, "-o", alone, "-q"}).exit_code, 0);
   const test::Outcome all = under_mpirun(folder, 2, {part, "-o", together, "-q"});

@@ -134,8 +134,10 @@ EigenPairs iterate_block_lanczos(const EigenProblem& problem, const EigenRequest
     if (space.is_full()) {
       // Thick restart: the best Ritz vectors and the newest block.  A search up to a frequency that has
       // outgrown the room gets more of it.
-      Index whole = std::min(size, std::max(target, known));  // of a cluster all, which take turns in being accurate
-      while (whole < size && omega2(whole) - omega2(whole - 1) < kClusterGap * std::abs(omega2(whole))) ++whole;
+      // Of a cluster all: they take turns in being accurate.
+      Index whole = std::min(size, std::max(target, known));
+      while (whole < size && omega2(whole) - omega2(whole - 1) < kClusterGap * std::abs(omega2(whole)))
+        ++whole;
       const Index keep = std::min<Index>(size, whole + 2 * b);
       if (2 * keep > space.capacity())
         space.reserve(std::min<Index>(problem.n_free, 2 * space.capacity()) + 2 * b);

@@ -139,8 +139,8 @@ int modes_of_slice(EPS eps) {
   }
   if (!own.context->problem->shifted) return 0;
   if (own.slice >= 0)  // of all that there are at most
-    return static_cast<int>(
-        std::min(own.slice, own.context->request.omega2_max > 0.0 ? eps->n : std::max<PetscInt>(eps->nev, 1)));
+    return static_cast<int>(std::min(
+        own.slice, own.context->request.omega2_max > 0.0 ? eps->n : std::max<PetscInt>(eps->nev, 1)));
   return modes_per_slice(*own.context->problem, static_cast<double>(eps->n), static_cast<int>(eps->nev),
                          width_in_slices(eps));
 }

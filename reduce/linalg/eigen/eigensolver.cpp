@@ -299,7 +299,7 @@ EigenPairs solve_for(const EigenProblem& problem, const EigenRequest& request, i
   std::mt19937_64 random(20240229 + static_cast<unsigned>(problem.rank));
   PetscInt n_start = 1, n_rows = 0;
   if (!inverts(o.eps)) ok(EPSGetDimensions(o.eps, &n_start, nullptr, nullptr));
-  if (!inverts(o.eps) || chosen == EPSLAPACK) {  // which asks for all columns of the inverse, of all directions
+  if (!inverts(o.eps) || chosen == EPSLAPACK) {  // LAPACK takes the inverse of all directions
     ok(MatGetSize(o.K, &n_rows, nullptr));
     if (problem.project && problem.n_free < n_rows) project(shell, random);
   }

@@ -167,8 +167,8 @@ void DirectSolver::test(const UpperCsr& A, bool definite) {
   const bool positive = B.cwiseProduct(X).colwise().sum().minCoeff() > 0.0;
   if (!factor_ && !small)
     throw std::invalid_argument(
-        "the solver that the PETSc options choose does not solve with the stiffness matrix: a preconditioner (-pc_type) alone "
-        "does not, it needs a method (-ksp_type cg) and a matrix for which that converges");
+        "the solver that the PETSc options choose does not solve with the stiffness matrix: a preconditioner "
+        "(-pc_type) alone does not, it needs a method (-ksp_type cg) and a matrix for which that converges");
   failure_.failed = !small || (definite && !positive);
 }
 

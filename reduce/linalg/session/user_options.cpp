@@ -70,7 +70,9 @@ void require_allowed(const UserOption& option) {
     if (begins(name, decided))
       refuse("what is computed follows from the part file ([modes]), not from PETSc's options");
   if (begins(name, "-st_pc_"))
-    refuse("the spectral transformation solves by the reduction's own solver, which -pc_... and -ksp_... choose");
+    refuse(
+        "the spectral transformation solves by the reduction's own solver, which -pc_... and -ksp_... "
+        "choose");
   for (const std::string_view part : kForbidden)
     if (contains(name, part))
       refuse("reads or writes files, opens windows or runs other programs, which options may not");

@@ -296,8 +296,10 @@ TEST(BlockLanczosType, FindsClustersThatAreLargerThanItsBlocks) {
     const EigenPairs pairs = block_lanczos(problem, {count, 0.0, 1e-9});
     ASSERT_EQ(pairs.omega2.size(), (count + kChains - 1) / kChains * kChains) << count;
     for (Eigen::Index k = 0; k < pairs.omega2.size(); ++k)
-      EXPECT_NEAR(pairs.omega2(k),
-                  2.0 - 2.0 * std::cos(static_cast<double>(k / kChains + 1) * std::numbers::pi / (kLength + 1)), 1e-13)
+      EXPECT_NEAR(
+          pairs.omega2(k),
+          2.0 - 2.0 * std::cos(static_cast<double>(k / kChains + 1) * std::numbers::pi / (kLength + 1)),
+          1e-13)
           << "pair " << k << " of " << count;
     EXPECT_LT(pairs.residual.maxCoeff(), 1e-9);
   }
