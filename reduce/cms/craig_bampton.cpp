@@ -198,7 +198,9 @@ class ReductionStages {
 
   void make_basis(const linalg::EigenProblem& problem, linalg::EigenPairs&& pairs) {
     if (options_.set == ModeSet::craig_chang) {
-      basis_ = craig_chang_basis(part_, model_, *solver_, constraint_, options_, report_);
+      const HeldAnswers held = held_answers(model_, *solver_, options_.progress);
+      if (!options_.stiffening) solver_.reset();  // the free body's factor takes its place in memory
+      basis_ = craig_chang_basis(part_, model_, held, constraint_, options_, report_);
       report_.seconds_normal_modes = watch_.lap();
     } else {
       basis_ = fixed_interface_basis(part_, model_, *solver_, problem, constraint_, Mhat_, std::move(pairs),

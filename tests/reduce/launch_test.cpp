@@ -364,6 +364,21 @@ TEST(Launch, ARefusalEndsAllProcesses) {
   EXPECT_THAT(bad.err, ::testing::HasSubstr("missing.toml"));
 }
 
+// What all of them find within their work.
+TEST(Launch, AnAccuracyThatNoInterfaceModesReachIsRefusedByAll) {
+  const test::Folder folder;
+  const std::string deck = std::string(FLEXURA_SOURCE_DIR) + "/tests/mesh/data/blockC3D10.inp";
+  std::string text = "[geometry]\nfile = \"" + deck + "\"\n[modes]\ncount = 2\ninterface_accuracy = 1e-15\n";
+  for (const char* const end : {"0", "4"})
+    text += std::string("[interface.at_") + end + "]\nby = \"plane\"\npoint = [" + end +
+            ", 0, 0]\nnormal = [1, 0, 0]\ntie = \"elastic\"\n";
+  const test::Outcome bad =
+      under_mpirun(folder, 2, {folder.write("block.toml", text).string(), "-o", folder / "a.se.h5"});
+  EXPECT_EQ(bad.exit_code, 2);
+  EXPECT_THAT(bad.err, ::testing::HasSubstr("the interfaces' static stiffness is within"));
+  EXPECT_THAT(bad.err, ::testing::HasSubstr("tie them as an average, which is exact"));
+}
+
 // The numbers are written and read back through a file: the superelement is the same.
 TEST(Launch, AFactorInAFileMakesTheSameSuperelement) {
   const test::Folder folder;

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include "reduce/cms/result/load_case.hpp"
-#include "reduce/cms/shapes/craig_chang.hpp"
 #include "reduce/cms/shapes/response_modes.hpp"
 #include "reduce/cms/shapes/shape_change.hpp"
 #include "reduce/linalg/dense/dense.hpp"
@@ -14,11 +13,11 @@ namespace flexura::reduce {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-Basis craig_chang_basis(const Part& part, const TiedModel& model, const TiedSolver& solver,
+Basis craig_chang_basis(const Part& part, const TiedModel& model, const HeldAnswers& held,
                         const ConstraintModes& constraint, const ReductionOptions& options,
                         ReductionReport& report) {
   const MatrixXd &Psi = constraint.Psi, &K_bb = constraint.K_bb;
-  const CraigChangSpan span = craig_chang_span(part, model, solver, Psi, K_bb, options);
+  const CraigChangSpan span = craig_chang_span(part, model, held, Psi, K_bb, options);
   const CanonicalShapes shapes = canonical_shapes(span.K, span.M, span.C_b);
   if (!shapes.dropped.empty()) {
     int n_rigid = 0;

@@ -7,6 +7,7 @@
 #include "reduce/assembly/tied_solver.hpp"
 #include "reduce/cms/result/options.hpp"
 #include "reduce/cms/shapes/constraint_modes.hpp"
+#include "reduce/cms/shapes/craig_chang.hpp"
 #include "reduce/cms/shapes/ritz_check.hpp"
 
 /// The shapes of a reduction, whichever mode set they belong to: those with one for each interface dof and those with none.
@@ -21,7 +22,7 @@ struct Basis {
 };
 
 /// Free-free modes and attachment modes (craig_chang.hpp), brought to interface dofs.
-Basis craig_chang_basis(const Part& part, const TiedModel& model, const TiedSolver& solver,
+Basis craig_chang_basis(const Part& part, const TiedModel& model, const HeldAnswers& held,
                         const ConstraintModes& constraint, const ReductionOptions& options,
                         ReductionReport& report);
 

@@ -13,16 +13,25 @@ namespace flexura::reduce {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-CraigChangSpan craig_chang_span(const Part& part, const TiedModel& model, const TiedSolver& solver,
+HeldAnswers held_answers(const TiedModel& model, const TiedSolver& solver, const linalg::Progress& progress) {
+  HeldAnswers out;
+  out.omega2_first =
+      linalg::block_lanczos(fixed_interface_problem(model, solver), {1, 0.0, 1e-6}, progress).omega2(0);
+  out.R = model.motions().rigid_nodes();
+  model.m().multiply_kron3(out.R, out.M_R);
+  model.gather(out.M_R, out.g_i, out.g_b);
+  out.answer = solver.solve(out.g_i);
+  return out;
+}
+
+CraigChangSpan craig_chang_span(const Part& part, const TiedModel& model, const HeldAnswers& held,
                                 const MatrixXd& Psi, const MatrixXd& K_bb, const ReductionOptions& options) {
   const Index n_b = model.n_b(), n_rows = model.n_rows();
   // The free body's shift: the first fixed-interface eigenvalue has the right size.
-  const linalg::EigenPairs first =
-      linalg::block_lanczos(fixed_interface_problem(model, solver), {1, 0.0, 1e-6}, options.progress);
   const FreeModes free = free_modes_on_nodes(part,
                                              {options.n_modes > 0 ? options.n_modes + 6 : 0,
                                               options.omega_max * options.omega_max, options.tolerance},
-                                             first.omega2(0), options.progress, model.share());
+                                             held.omega2_first, options.progress, model.share());
   // The six rigid modes are known exactly; the computed ones are left out.
   const Index n_free = std::max<Index>(free.U.cols() - 6, 0), m = 6 + n_free + n_b;
 
@@ -48,16 +57,12 @@ CraigChangSpan craig_chang_span(const Part& part, const TiedModel& model, const 
   }
 
   // Unit loads on the interface, balanced by the inertia forces M R c.
-  MatrixXd M_R, g_i, g_b;
-  const MatrixXd R = model.motions().rigid_nodes();
-  model.m().multiply_kron3(R, M_R);
-  model.gather(M_R, g_i, g_b);
-  const MatrixXd c = model.inner(R, M_R).ldlt().solve(R_b.transpose());  // 6 x n_b
-  const MatrixXd p = MatrixXd::Identity(n_b, n_b) - (g_b + model.inner(Psi, g_i)) * c;
+  const MatrixXd c = model.inner(held.R, held.M_R).ldlt().solve(R_b.transpose());  // 6 x n_b
+  const MatrixXd p = MatrixXd::Identity(n_b, n_b) - (held.g_b + model.inner(Psi, held.g_i)) * c;
   // p is in equilibrium, so springs on the rigid motions carry nothing.
-  const MatrixXd held = K_bb + K_bb.norm() / R_b.squaredNorm() * R_b * R_b.transpose();
-  span.C_b.rightCols(n_b) = held.ldlt().solve(p);
-  span.W.rightCols(n_b) = linalg::times(solver.solve(g_i), -c);
+  const MatrixXd sprung = K_bb + K_bb.norm() / R_b.squaredNorm() * R_b * R_b.transpose();
+  span.C_b.rightCols(n_b) = sprung.ldlt().solve(p);
+  span.W.rightCols(n_b) = linalg::times(held.answer, -c);
 
   MatrixXd U, M_U, K_W;
   model.expand(span.W + linalg::times(Psi, span.C_b), span.C_b, U);

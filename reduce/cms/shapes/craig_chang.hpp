@@ -20,6 +20,15 @@
 /// and the six right-hand sides M R serve all attachment modes.
 namespace flexura::reduce {
 
+/// What is to be known of the held part before the free one is factorised.
+struct HeldAnswers {
+  double omega2_first = 0.0;  ///< the first fixed-interface eigenvalue [rad^2/s^2]
+  Eigen::MatrixXd R, M_R;     ///< rigid motions of the nodes here and their inertia forces
+  Eigen::MatrixXd g_i, g_b;   ///< M R on the dofs
+  Eigen::MatrixXd answer;     ///< K_ii^-1 g_i
+};
+HeldAnswers held_answers(const TiedModel& model, const TiedSolver& solver, const linalg::Progress& progress);
+
 /// Vectors u = Psi c_b + w that span the space: rigid modes, free modes, attachment modes, in this order.
 struct CraigChangSpan {
   Eigen::MatrixXd W;     ///< n_rows x m
@@ -31,7 +40,7 @@ struct CraigChangSpan {
 
 /// `Psi`, `K_bb` as in stiffening_terms().  options.n_modes elastic free modes, or all up to
 /// options.omega_max.  `part` is read on the leading rank alone; the small matrices are the same on all.
-CraigChangSpan craig_chang_span(const Part& part, const TiedModel& model, const TiedSolver& solver,
+CraigChangSpan craig_chang_span(const Part& part, const TiedModel& model, const HeldAnswers& held,
                                 const Eigen::MatrixXd& Psi, const Eigen::MatrixXd& K_bb,
                                 const ReductionOptions& options);
 
