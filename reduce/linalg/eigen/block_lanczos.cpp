@@ -36,17 +36,16 @@ Index wanted(const VectorXd& omega2, const VectorXd& estimate, const EigenReques
   return count == 0 || estimate.head(count).maxCoeff() < accurate ? count : -1;
 }
 
-// Members of the largest cluster among the first `count`.
-Index largest_cluster(const VectorXd& omega2, Index count) {
+}  // namespace
+
+Index largest_cluster(const Eigen::Ref<const VectorXd>& omega2, double gap) {
   Index largest = 0, first = 0;
-  for (Index k = 0; k < count; ++k) {
-    if (k > 0 && omega2(k) - omega2(k - 1) >= kClusterGap * std::abs(omega2(k))) first = k;
+  for (Index k = 0; k < omega2.size(); ++k) {
+    if (k > 0 && omega2(k) - omega2(k - 1) >= gap * std::abs(omega2(k))) first = k;
     largest = std::max(largest, k - first + 1);
   }
   return largest;
 }
-
-}  // namespace
 
 int block_lanczos_width(int count) {
   constexpr int kNarrow = 8, kWide = 16, kMany = 200;
@@ -91,7 +90,7 @@ EigenPairs iterate_block_lanczos(const EigenProblem& problem, const EigenRequest
     const bool everything = space.exhausted();
     // A cluster of as many members as vectors that the space has come from may have more, as equal bays between stiff bulkheads
     // have.  With what is found out of their way others need no more blocks than that took, as a rule half of them.
-    const bool crowded = count > 0 && largest_cluster(omega2, count) >= space.n_starting();
+    const bool crowded = count > 0 && largest_cluster(omega2.head(count), kClusterGap) >= space.n_starting();
     if (((everything && count < 0) || crowded) && space.begin_anew(crowded ? space.n_starting() : b)) {
       if (crowded) settled = space.n_blocks() + std::max(4, space.n_blocks() / 2);
       looks.set_next(space.size_with_newest());

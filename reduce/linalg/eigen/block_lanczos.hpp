@@ -39,6 +39,9 @@ struct BlockLanczosSettings {
 EigenPairs iterate_block_lanczos(const EigenProblem& problem, const EigenRequest& request,
                                  const BlockLanczosSettings& settings, const Progress& progress = {});
 
+/// Members of the largest cluster of ascending eigenvalues, each nearer to the next than this fraction of it.
+Eigen::Index largest_cluster(const Eigen::Ref<const Eigen::VectorXd>& omega2, double gap);
+
 /// Right-hand sides together, for `count` pairs.  Narrow blocks need a third less of them; wide ones pass along a long basis
 /// half as often.
 int block_lanczos_width(int count);

@@ -12,6 +12,7 @@
 
 #include "reduce/linalg/dense/dense.hpp"
 #include "reduce/linalg/eigen/lanczos_space.hpp"
+#include "reduce/linalg/eigen/slice.hpp"
 
 namespace flexura::linalg {
 namespace {
@@ -26,42 +27,10 @@ double hertz(double omega2) {
   return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);
 }
 
-// An operator (K - sigma M)^-1 M of which the nearest eigenvalues on both sides of sigma are wanted.
-struct Slice {
-  double sigma = 0.0;
-  EigenProblem::Operator solve;
-  Index n_left = 0;       // below sigma, no more and no fewer
-  Index least_right = 0;  // above
+// The vectors of a slice do not become accurate.
+struct Stuck : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
-
-// Accurate pairs at the ends of the descending theta: those right of sigma at the beginning, those left of it at the end.
-struct Known {
-  Index right = 0, left = 0;
-};
-Known known_pairs(const LanczosSpace::RitzPairs& ritz, double accurate) {
-  Known known;
-  const Index n = ritz.theta.size();
-  while (known.right < n && ritz.theta(known.right) > 0.0 && ritz.estimate(known.right) < accurate)
-    ++known.right;
-  while (known.left < n && ritz.theta(n - 1 - known.left) < 0.0 &&
-         ritz.estimate(n - 1 - known.left) < accurate)
-    ++known.left;
-  return known;
-}
-
-// Where to end on the right: the widest of the last gaps that part vectors well, or else the next such gap; 0: not yet.
-Index end_of(const VectorXd& omega2, Index least) {
-  constexpr Index kLast = 5;
-  const Index known = omega2.size();
-  Index best = 0;
-  double widest = 1e-6 * std::abs(omega2(known - 1));
-  for (Index k = known - 1; k >= least && (best == 0 || known - k <= kLast); --k)
-    if (const double gap = omega2(k) - omega2(k - 1); gap > widest) {
-      widest = gap;
-      best = k;
-    }
-  return best;
-}
 
 class Slices {
  public:
@@ -107,14 +76,25 @@ class Slices {
     return false;
   }
 
-  // The next shift, the factor there, and what is nearest to it.
+  // The next slice, from another shift where the first lies too near to an eigenvalue.
   void shift() {
+    constexpr double kAway[] = {0.0, -0.037, 0.023};  // of the step
+    for (const double away : kAway) try {
+        return shift(away);
+      } catch (const Stuck&) {
+        if (away == std::end(kAway)[-1]) throw;
+      }
+  }
+
+  // The next shift, the factor there, and what is nearest to it.
+  void shift(double away) {
     const Index asked = sought();
     double place = static_cast<double>(std::min(found() + radius_, asked));
     EigenProblem::Shifted factor;
     double sigma = 0.0;
     for (int attempt = 0;; ++attempt) {
       sigma = where(place);
+      sigma += away * (sigma - std::max(sigma_, last_found()));
       factor = {};  // one beside the problem's own at a time
       factor = factorise(sigma);
       const Index between = factor.n_below - found();
@@ -187,7 +167,8 @@ class Slices {
     LanczosSpace space(shifted, settings_.storage, block_,
                        std::min<Index>(problem_.n_free + 2 * block_, suggested));
     double accurate = std::max(0.1 * request_.tolerance, 1e-14);
-    int rounds_without_gain = 0;
+    int rounds_without_gain = 0, settled = 0;  // blocks before which nothing is taken for found
+    Index best = -1;                           // accurate pairs at a restart
     // The projected matrix is small: a look at it costs about what a block does.
     constexpr Index kBlocksBetweenLooks = 4;
     const Index expected = 2 * target + 10 * block_;
@@ -200,6 +181,13 @@ class Slices {
       const LanczosSpace::RitzPairs ritz = space.ritz_pairs();
       Known known = known_pairs(ritz, accurate);
       Index right = right_of(slice, ritz, known);
+      // As in one basis: a cluster of as many members as vectors that the space has come from may have more.
+      if (largest_cluster(slice, ritz, known) >= space.n_starting() && space.begin_anew(space.n_starting())) {
+        settled = space.n_blocks() + std::max(4, space.n_blocks() / 2);
+        next_look = space.size_with_newest();
+        continue;
+      }
+      if (!space.exhausted() && space.n_blocks() < settled) right = -1;
       if (space.exhausted() && right < 0) {
         if (space.begin_anew()) {
           next_look = space.size_with_newest();
@@ -219,7 +207,7 @@ class Slices {
           return add(slice, some);
         }
         if (space.exhausted() || ++rounds_without_gain > 8)
-          throw std::runtime_error(
+          throw Stuck(
               fmt::format("block Lanczos: the worst residual of {} modes near {:.6g} Hz stays at {:.1e}, "
                           "above {:.1e}: the "
                           "stiffness matrix is too badly conditioned for this accuracy",
@@ -227,10 +215,18 @@ class Slices {
         accurate = std::max(0.1 * accurate, 1e-16);
       }
       next_look = size + kBlocksBetweenLooks * block_;
-      if (space.is_full()) restart(space, ritz, slice);
+      if (space.is_full()) {
+        // Restarts that gain nothing have come to round-off, which a shift beside an eigenvalue magnifies: what is there is
+        // measured with K and M, and polished.
+        const Index gained =
+            std::min(known.left, slice.n_left) + std::min(known.right, slice.least_right + 1);
+        if (gained <= best) accurate = std::min(10.0 * accurate, request_.tolerance);
+        best = std::max(best, gained);
+        restart(space, ritz, slice);
+      }
       if (step > settings_.most_blocks)
-        throw std::runtime_error(fmt::format("block Lanczos: no convergence in {} blocks near {:.6g} Hz",
-                                             settings_.most_blocks, hertz(slice.sigma)));
+        throw Stuck(fmt::format("block Lanczos: no convergence in {} blocks near {:.6g} Hz",
+                                settings_.most_blocks, hertz(slice.sigma)));
     }
   }
 
@@ -246,21 +242,6 @@ class Slices {
     const VectorXd omega2 = slice.sigma + ritz.theta.head(known.right).array().inverse();
     const Index end = end_of(omega2, slice.least_right);
     return end > 0 ? end : -1;
-  }
-
-  // The first that a slice takes on the left, or the shift itself.
-  static double first_of(const Slice& slice, const LanczosSpace::RitzPairs& ritz) {
-    return slice.n_left > 0 ? slice.sigma + 1.0 / ritz.theta(ritz.theta.size() - slice.n_left) : slice.sigma;
-  }
-
-  // The next one below it, and how near to an eigenvalue it is.
-  struct Neighbour {
-    double omega2 = 0.0, error = std::numeric_limits<double>::infinity();
-  };
-  static Neighbour neighbour(const Slice& slice, const LanczosSpace::RitzPairs& ritz) {
-    const Index next = ritz.theta.size() - 1 - slice.n_left;
-    if (next < 0 || !(ritz.theta(next) < 0.0)) return {};
-    return {slice.sigma + 1.0 / ritz.theta(next), std::abs(ritz.estimate(next) / ritz.theta(next))};
   }
 
   bool takes_again(const Slice& slice, const LanczosSpace::RitzPairs& ritz) const {
@@ -334,8 +315,16 @@ class Slices {
   // Thick restart with the pairs wanted and a block on each side.
   void restart(LanczosSpace& space, const LanczosSpace::RitzPairs& ritz, const Slice& slice) const {
     const Index n = ritz.theta.size(), positive = (ritz.theta.array() > 0.0).count();
-    const Index left = std::min(n - positive, slice.n_left + block_),
-                right = std::min(positive, slice.least_right + block_);
+    const VectorXd omega2 = slice.sigma + ritz.theta.array().inverse();
+    // Of a cluster all: they take turns in being accurate.
+    const auto together = [&](Index k) {
+      return std::abs(omega2(k) - omega2(k + 1)) < kMultiple * std::abs(omega2(k));
+    };
+    Index left = std::min(n - positive, slice.n_left), right = std::min(positive, slice.least_right);
+    while (left > 0 && left < n - positive && together(n - left - 1)) ++left;
+    while (right > 0 && right < positive && together(right - 1)) ++right;
+    left = std::min(n - positive, left + block_);
+    right = std::min(positive, right + block_);
     if (4 * (left + right) > 3 * space.capacity())
       space.reserve(std::min<Index>(problem_.n_free, 2 * space.capacity()) + 2 * block_);
     MatrixXd Y(n, left + right);

@@ -173,6 +173,17 @@ TEST(Slices, FindEverythingInASmallSpace) {
   EXPECT_TRUE(std::isinf(pairs.omega2_next));
 }
 
+// A cube's frequencies come in sixes, blocks of two see two of each at first.
+TEST(Slices, FindMoreOfAMultipleEigenvalueThanABlockHas) {
+  const Options slice("-eps_blocklanczos_slice", "20"), block("-eps_blocklanczos_block", "2");
+  Springs springs(8, 8, 8);
+  std::size_t k = 120;
+  while (springs.exact()[k] - springs.exact()[k - 1] < 1e-6) ++k;
+  const EigenPairs pairs = block_lanczos(springs.problem(), {static_cast<int>(k), 0.0, 1e-9});
+  springs.expect(pairs, static_cast<Eigen::Index>(k));
+  EXPECT_TRUE(pairs.counted);
+}
+
 TEST(Slices, AreTheSameToTheBitTheNextTime) {
   const Options options("-eps_blocklanczos_slice", "30");
   Springs springs(20, 18, 1);
@@ -249,6 +260,25 @@ TEST(Slices, AWrongCountIsRefused) {
   // One too few: one that is below the shift is left, and the next shift's count has no place for it.
   springs.count_wrong_by(-1);
   expect_refusal(springs.problem(), "spectrum slices: ");
+}
+
+// Round-off that a shift beside an eigenvalue magnifies: another shift is taken.
+TEST(Slices, AShiftWhoseSolvesAreInaccurateIsLeft) {
+  const Options options("-eps_blocklanczos_slice", "40");
+  Springs springs(21, 18, 1);
+  EigenProblem problem = springs.problem();
+  int n_shifts = 0;
+  problem.shifted = [&, exact = problem.shifted](double sigma) {
+    EigenProblem::Shifted factor = exact(sigma);
+    if (++n_shifts != 2) return factor;
+    factor.solve = [solve = factor.solve](const auto& X, auto& Y) {
+      solve(X, Y);
+      Y.array() *= 1.0 + 1e-5 * Eigen::ArrayXXd::Random(Y.rows(), Y.cols());
+    };
+    return factor;
+  };
+  springs.expect(block_lanczos(problem, {120, 0.0, 1e-9}), 120);
+  EXPECT_GE(n_shifts, 4);
 }
 
 // Interface modes, say, which the same options reach.
