@@ -85,8 +85,8 @@ void project(const Part& whole, const Part& part, const TiedModel& model, const 
   constexpr Index kColumns = 32;
   for (Index first = 0; first < n; first += kColumns) {
     const Index width = std::min(kColumns, n - first);
-    reduction.shapes.middleCols(first, width) =
-        model.at_nodes(T.middleCols(first, width), options.shape_nodes).cast<float>();
+    const MatrixXd at_nodes = model.at_nodes(T.middleCols(first, width), options.shape_nodes);
+    if (model.leads()) reduction.shapes.middleCols(first, width) = at_nodes.cast<float>();
   }
 }
 
