@@ -305,6 +305,11 @@ TEST(Launch, APartWithoutInteriorDofsIsThatOfOne) {
   EXPECT_EQ(b.n_q, 0);
   EXPECT_LT((a.K_se - b.K_se).norm(), 1e-12 * a.K_se.norm());  // sums of eight terms
   EXPECT_LT((a.M_se - b.M_se).norm(), 1e-12 * a.M_se.norm());
+  const std::vector<std::string> free = {part, "-o", together, "-q", "--set", "modes.set=craig_chang"};
+  for (const test::Outcome& outcome : {test::run("flexura-reduce", free), under_mpirun(folder, 2, free)}) {
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, ::testing::HasSubstr("all dofs of the part are its interfaces'"));
+  }
 }
 
 // Peak memory of each process in GB, as the summary prints it; the first, then the greatest of the others.

@@ -2,6 +2,7 @@
 #include "reduce/cms/shapes/craig_chang.hpp"
 
 #include <Eigen/Cholesky>
+#include <stdexcept>
 
 #include "reduce/cms/shapes/fixed_interface.hpp"
 #include "reduce/cms/shapes/full_model.hpp"
@@ -15,8 +16,13 @@ using Eigen::MatrixXd;
 
 HeldAnswers held_answers(const TiedModel& model, const TiedSolver& solver, const linalg::Progress& progress) {
   HeldAnswers out;
-  out.omega2_first =
-      linalg::block_lanczos(fixed_interface_problem(model, solver), {1, 0.0, 1e-6}, progress).omega2(0);
+  const linalg::EigenProblem problem = fixed_interface_problem(model, solver);
+  if (problem.n_free == 0)
+    throw std::invalid_argument(
+        "modes.set = \"craig_chang\": all dofs of the part are its interfaces', so that there is nothing to "
+        "reduce; take "
+        "\"craig_bampton\", which is exact there");
+  out.omega2_first = linalg::block_lanczos(problem, {1, 0.0, 1e-6}, progress).omega2(0);
   out.R = model.motions().rigid_nodes();
   model.m().multiply_kron3(out.R, out.M_R);
   model.gather(out.M_R, out.g_i, out.g_b);
