@@ -27,6 +27,11 @@ double hertz(double omega2) {
   return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);
 }
 
+// Counts and what is found do not agree.
+struct Miscounted : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 // The vectors of a slice do not become accurate.
 struct Stuck : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -125,8 +130,10 @@ class Slices {
   // Where the eigenvalue of this number may be.
   double where(double number) const {
     const double least = std::max(sigma_, last_found()), base = std::min(pairs_.omega2(0), 0.0);
-    const double there = (last_found() - base) * std::pow((number + 0.5) / static_cast<double>(found()),
-                                                          1.0 / growth_of_number(pairs_.omega2));
+    // Rigid motions alone tell no distance; the shift of a free body does.
+    const double reach = std::max(last_found() - base, 0.05 * problem_.shift);
+    const double there = reach * std::pow((number + 0.5) / static_cast<double>(found()),
+                                          1.0 / growth_of_number(pairs_.omega2));
     return std::max(least + 1e-5 * std::abs(least), base + there);
   }
 
@@ -152,7 +159,7 @@ class Slices {
   }
 
   [[noreturn]] void refuse(Index counted, Index found, double sigma) const {
-    throw std::runtime_error(fmt::format(
+    throw Miscounted(fmt::format(
         "spectrum slices: below {:.6g} Hz there are {} modes by Sylvester's law, but {} were found; take "
         "wider blocks (-eps_blocklanczos_block {}) or one basis (-eps_blocklanczos_slice 0)",
         hertz(sigma), counted, found, 2 * block_));
@@ -238,6 +245,7 @@ class Slices {
     if (found() > 0 && !(neighbour(slice, ritz).error < 1e-3 * (first_of(slice, ritz) - last_found())))
       return -1;
     if (slice.least_right == 0) return 0;
+    if (found() + slice.n_left + known.right == problem_.n_free) return known.right;  // there are no others
     if (known.right <= slice.least_right) return -1;
     const VectorXd omega2 = slice.sigma + ritz.theta.head(known.right).array().inverse();
     const Index end = end_of(omega2, slice.least_right);
@@ -253,7 +261,9 @@ class Slices {
     if (found() == 0) return;
     if (takes_again(slice, ritz)) refuse(found() + slice.n_left, found() + slice.n_left - 1, slice.sigma);
     const auto [omega2, error] = neighbour(slice, ritz);
-    if (omega2 - last_found() > error + 1e-8 * std::abs(last_found()))
+    // Rigid motions are round-off themselves.
+    const double scale = std::max(std::abs(last_found()), first_of(slice, ritz) - last_found());
+    if (omega2 - last_found() > error + 1e-8 * scale)
       refuse(found() + slice.n_left, found() + slice.n_left + 1, slice.sigma);
   }
 
@@ -284,7 +294,7 @@ class Slices {
     const MatrixXd shared = problem_.inner(pairs_.Phi.leftCols(found()), M_Phi);
     const double most = (shared * sizes.cwiseSqrt().cwiseInverse().asDiagonal()).cwiseAbs().maxCoeff();
     if (most > 1e-2)
-      throw std::runtime_error(
+      throw Miscounted(
           fmt::format("spectrum slices: two of them have found the same mode (their vectors share {:.2g}), "
                       "so a count is wrong; take "
                       "wider blocks (-eps_blocklanczos_block {}) or one basis (-eps_blocklanczos_slice 0)",
@@ -349,7 +359,13 @@ class Slices {
 
 EigenPairs iterate_slices(const EigenProblem& problem, const EigenRequest& request,
                           const SliceSettings& settings, const Progress& progress) {
-  return Slices(problem, request, settings, progress).run();
+  // Of a multiple eigenvalue one vector may come so late that all about it is taken for found; wider blocks bring it earlier.
+  constexpr int kWider = 4;
+  for (SliceSettings now = settings;; now.lanczos.block *= 2) try {
+      return Slices(problem, request, now, progress).run();
+    } catch (const Miscounted&) {
+      if (now.lanczos.block >= kWider * settings.lanczos.block) throw;
+    }
 }
 
 }  // namespace flexura::linalg

@@ -1,4 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +8,7 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -90,18 +92,21 @@ class Springs {
 
   // Every pair is that of its number, each shift has counted what lies below it.
   void expect(const EigenPairs& pairs, Eigen::Index count) const {
+    expect_exact(pairs, count);
+    EXPECT_TRUE(pairs.counted);
+    // The last shift is beyond the last pair.
+    EXPECT_GT(shifts_.back(), pairs.omega2(pairs.omega2.size() - 1));
+  }
+  void expect_exact(const EigenPairs& pairs, Eigen::Index count) const {
     ASSERT_GE(pairs.omega2.size(), count);
     for (Eigen::Index k = 0; k < pairs.omega2.size(); ++k)
       // Eigenvalues are accurate to the square of the residual, so to round-off: some ulps of the largest one (12).
       EXPECT_NEAR(pairs.omega2(k), exact_[static_cast<std::size_t>(k)], 2e-13) << "pair " << k;
     EXPECT_LT(pairs.residual.maxCoeff(), 1e-9);
-    EXPECT_TRUE(pairs.counted);
     const Eigen::MatrixXd gram = pairs.Phi.transpose() * pairs.Phi;
     EXPECT_LT((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff(), 1e-11);
     for (std::size_t s = 0; s < shifts_.size(); ++s)
       EXPECT_EQ(counts_[s], n_exact_below(shifts_[s])) << "shift " << shifts_[s];
-    // The last shift is beyond the last pair.
-    EXPECT_GT(shifts_.back(), pairs.omega2(pairs.omega2.size() - 1));
   }
 
  private:
@@ -279,6 +284,29 @@ TEST(Slices, AShiftWhoseSolvesAreInaccurateIsLeft) {
   };
   springs.expect(block_lanczos(problem, {120, 0.0, 1e-9}), 120);
   EXPECT_GE(n_shifts, 4);
+}
+
+// Grids of any size, many of whose frequencies are multiple, slices and blocks of any width, any number of modes.
+TEST(Slices, FindAllThereIsInRandomGrids) {
+  std::mt19937 random(24);
+  const auto any = [&](int from, int to) {
+    return from + static_cast<int>(random() % static_cast<unsigned>(to - from + 1));
+  };
+  for (int time = 0; time < 60; ++time) {
+    const int n_x = any(2, 9), n_y = any(1, 9), n_z = any(1, 6), slice = any(1, 60), block = any(1, 12);
+    const int count = any(1, n_x * n_y * n_z);
+    const bool is_free = any(0, 1) == 1;
+    SCOPED_TRACE(fmt::format("{} x {} x {}, {}, slice {}, block {}, count {}", n_x, n_y, n_z,
+                             is_free ? "free" : "held", slice, block, count));
+    const Options slices("-eps_blocklanczos_slice", std::to_string(slice).c_str()),
+        blocks("-eps_blocklanczos_block", std::to_string(block).c_str());
+    Springs springs(n_x, n_y, n_z, is_free);
+    try {
+      springs.expect_exact(block_lanczos(springs.problem(), {count, 0.0, 1e-9}), count);
+    } catch (const std::exception& error) {
+      ADD_FAILURE() << error.what();
+    }
+  }
 }
 
 // Interface modes, say, which the same options reach.
