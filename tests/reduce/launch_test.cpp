@@ -14,6 +14,7 @@
 #include "mesh/partition/cell_parts.hpp"
 #include "tests/app/command.hpp"
 #include "tests/reduce/parts.hpp"
+#include "tests/sanitized.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -322,9 +323,9 @@ std::array<double, 2> peaks(const test::Outcome& outcome) {
   return peak;
 }
 
-// 400 modes of 14,451 dofs: vectors are most of the memory.  Measured on 26 November 2026: one process 0.50 GB, the first of
-// two 0.31 and the other 0.29 (each program by itself has 0.05); 0.40 and 0.36 while the first held matrices, modes and the
-// shapes of all nodes and each vectors of full length.
+// 400 modes of 14,451 dofs: vectors are most of the memory.  Measured on 26 November 2026: one process 0.37 GB, the first of
+// two 0.23 and the other 0.22 (each program by itself has 0.05); with larger bases 0.50, 0.31 and 0.29, and 0.40 and 0.36 while the
+// first held matrices, modes and the shapes of all nodes and each vectors of full length.
 TEST(Launch, TheFirstOfTwoProcessesNeedsLittleMoreMemoryThanTheOther) {
   const test::Folder folder;
   const std::vector<std::string> arguments = {
@@ -344,7 +345,9 @@ TEST(Launch, TheFirstOfTwoProcessesNeedsLittleMoreMemoryThanTheOther) {
   const auto [first, other] = peaks(two);
   ASSERT_GT(other, 0.0) << two.out;
   EXPECT_LT(first, 1.15 * other);
+#ifndef FLEXURA_ADDRESS_SANITIZER  // which keeps what is freed
   EXPECT_LT(first, 0.72 * alone);
+#endif
 }
 
 // A bar of 12 x 2 x 2 cells in two: half of the cells each, METIS allows 3 per cent, and they touch in about
