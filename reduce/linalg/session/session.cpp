@@ -124,7 +124,8 @@ Session::Session() {
 Session::~Session() {
   if (--open_sessions == 0) {
     PetscPopErrorHandler();
-    SlepcFinalize();
+    // What memory was wanting for within PETSc, a stage of its log for one, may be half built and crash where it is destroyed.
+    if (is_sound || launch().size > 1) SlepcFinalize();
     ended = true;
   }
 }
