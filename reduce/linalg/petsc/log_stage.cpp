@@ -3,6 +3,8 @@
 
 #include <petscsys.h>
 
+#include "reduce/linalg/petsc/petsc_check.hpp"
+
 namespace flexura::linalg {
 namespace {
 
@@ -12,7 +14,7 @@ void push(const char* name) {
   if (PetscInitialized(&runs) != 0 || !runs) return;
   PetscLogStage stage = -1;
   if (PetscLogStageGetId(name, &stage) != 0) return;
-  if (stage < 0 && PetscLogStageRegister(name, &stage) != 0) return;
+  if (stage < 0 && PetscLogStageRegister(name, &stage) != 0) return doubt_petsc();
   PetscLogStagePush(stage);
 }
 

@@ -30,6 +30,8 @@ void petsc_check(PetscErrorCode code, const char* doing);
 
 /// False once memory has run out within PETSc: its objects may be half built, and destroying them may crash.
 bool petsc_is_sound();
+/// Something of PETSc's own is half built.
+void doubt_petsc();
 
 /// Throws std::logic_error unless a Session is alive.
 void require_session();

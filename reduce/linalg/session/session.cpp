@@ -55,6 +55,10 @@ bool petsc_is_sound() {
   return is_sound;
 }
 
+void doubt_petsc() {
+  is_sound = false;
+}
+
 void keep_exception(std::exception_ptr error) {
   if (!thrown) thrown = std::move(error);
 }
@@ -124,8 +128,10 @@ Session::Session() {
 Session::~Session() {
   if (--open_sessions == 0) {
     PetscPopErrorHandler();
-    // What memory was wanting for within PETSc, a stage of its log for one, may be half built and crash where it is destroyed.
-    if (is_sound || launch().size > 1) SlepcFinalize();
+    // Where an error ends this, or memory was wanting within PETSc, its objects may be half built, a stage of its log for one, and
+    // crash where they are destroyed.
+    const bool whole = is_sound && std::uncaught_exceptions() == 0;
+    if (whole || launch().size > 1) SlepcFinalize();
     ended = true;
   }
 }
