@@ -14,6 +14,7 @@
 #include "reduce/linalg/factor/inertia.hpp"
 #include "reduce/linalg/factor/supernodal_factor.hpp"
 #include "tests/reduce/parts.hpp"
+#include "tests/reduce/unit_masses.hpp"
 
 namespace flexura::linalg {
 namespace {
@@ -50,16 +51,6 @@ std::vector<double> grid_eigenvalues(int n) {
     for (int j = 1; j <= n; ++j) values.push_back(4.0 - 2.0 * std::cos(i * h) - 2.0 * std::cos(j * h));
   std::sort(values.begin(), values.end());
   return values;
-}
-
-EigenProblem grid_problem(const SymmetricMatrix& A, const CholeskyFactor& factor) {
-  EigenProblem problem;
-  problem.n = problem.n_free = A.size();
-  problem.solve = [&factor](const auto& X, auto& Y) { Y = factor.solve(X); };
-  problem.multiply_K = [&A](const auto& X, auto& Y) { A.multiply(X, Y); };
-  problem.multiply_magnitudes = [&A](const auto& X, auto& Y) { A.multiply_magnitudes(X, Y); };
-  problem.multiply_M = [](const auto& X, auto& Y) { Y = X; };
-  return problem;
 }
 
 TEST(SymmetricMatrix, ProductsAreThoseOfTheDenseMatrix) {
@@ -332,7 +323,7 @@ TEST_P(Eigensolvers, FindDoubleEigenvaluesOfTheGrid) {
   const int n = 30;
   const SymmetricMatrix A = grid_laplacian(n);
   const CholeskyFactor factor(A);
-  const EigenProblem problem = grid_problem(A, factor);
+  const EigenProblem problem = testing::unit_mass_problem(A, factor);
   const std::vector<double> exact = grid_eigenvalues(n);
   const EigenPairs pairs = solve(problem, {40, 0.0, 1e-9});
   ASSERT_GE(pairs.omega2.size(), 40);
@@ -346,7 +337,7 @@ TEST_P(Eigensolvers, KeepAClusterAtTheCutWhole) {
   const SymmetricMatrix A = grid_laplacian(12);
   const CholeskyFactor factor(A);
   // Eigenvalue 2 (from 0) is the twin of eigenvalue 1.
-  EXPECT_EQ(solve(grid_problem(A, factor), {2, 0.0, 1e-9}).omega2.size(), 3);
+  EXPECT_EQ(solve(testing::unit_mass_problem(A, factor), {2, 0.0, 1e-9}).omega2.size(), 3);
 }
 
 TEST_P(Eigensolvers, FindAllUpToALimit) {
@@ -356,14 +347,14 @@ TEST_P(Eigensolvers, FindAllUpToALimit) {
   const std::vector<double> exact = grid_eigenvalues(n);
   const double limit = 0.5 * (exact[99] + exact[100]);
   ASSERT_GT(exact[100] - exact[99], 1e-3);
-  EXPECT_EQ(solve(grid_problem(A, factor), {1, limit, 1e-9}).omega2.size(), 100);
+  EXPECT_EQ(solve(testing::unit_mass_problem(A, factor), {1, limit, 1e-9}).omega2.size(), 100);
 }
 
 TEST_P(Eigensolvers, FindEverythingInASmallSpace) {
   const SymmetricMatrix A = grid_laplacian(4);
   const CholeskyFactor factor(A);
   const std::vector<double> exact = grid_eigenvalues(4);
-  const EigenPairs pairs = solve(grid_problem(A, factor), {16, 0.0, 1e-9});
+  const EigenPairs pairs = solve(testing::unit_mass_problem(A, factor), {16, 0.0, 1e-9});
   ASSERT_EQ(pairs.omega2.size(), 16);
   for (int k = 0; k < 16; ++k) EXPECT_NEAR(pairs.omega2(k), exact[k], 1e-13);
 }
@@ -373,7 +364,7 @@ TEST_P(Eigensolvers, WorkWithAShift) {
   const int n = 20;
   const SymmetricMatrix A = grid_laplacian(n);
   const CholeskyFactor factor(A);
-  EigenProblem problem = grid_problem(A, factor);
+  EigenProblem problem = testing::unit_mass_problem(A, factor);
   const double a = 0.3;
   problem.shift = a;
   problem.multiply_K = [&A, a](const auto& X, auto& Y) {

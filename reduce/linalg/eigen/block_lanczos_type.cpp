@@ -20,7 +20,8 @@ using Eigen::MatrixXd;
 
 struct Data {
   PetscInt block = PETSC_DECIDE;
-  PetscInt slice = PETSC_DECIDE;  // modes of a slice; 0: one basis
+  PetscInt slice = PETSC_DECIDE;       // modes of a slice; 0: one basis
+  int used_slice = 0, used_block = 0;  // what has been taken, for a report
   BlockLanczosContext* context = nullptr;
 };
 
@@ -270,6 +271,8 @@ PetscErrorCode solve(EPS eps) {
         }
       in_slices = slice > 0;
       if (in_slices) settings.block = width_in_slices(eps);
+      data(eps).used_slice = slice;
+      data(eps).used_block = settings.block;
       if (in_slices) pairs = iterate_slices(problem, request, {slice, settings}, progress);
     } catch (...) {
       if (basis) BVRestoreArray(eps->V, &basis);
@@ -324,10 +327,14 @@ PetscErrorCode set_from_options(EPS eps, PetscOptionItems* PetscOptionsObject) {
 PetscErrorCode view(EPS eps, PetscViewer viewer) {
   PetscBool ascii = PETSC_FALSE;
   PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(viewer), PETSCVIEWERASCII, &ascii));
-  if (ascii)
+  if (!ascii) return 0;
+  const Data& own = data(eps);
+  PetscCall(PetscViewerASCIIPrintf(
+      viewer, "  blocks of %d right-hand sides, full reorthogonalisation, thick restarts\n",
+      own.used_block > 0 ? own.used_block : width_of_blocks(eps)));
+  if (own.used_slice > 0)
     PetscCall(PetscViewerASCIIPrintf(
-        viewer, "  blocks of %d right-hand sides, full reorthogonalisation, thick restarts\n",
-        width_of_blocks(eps)));
+        viewer, "  slices of %d modes of the spectrum, each from a shift of its own\n", own.used_slice));
   return 0;
 }
 

@@ -240,7 +240,7 @@ void create(Objects& o, Shell& shell, const char* type, int count, double tolera
 void set_up(EPS eps) {
   try {
     ok(EPSSetUp(eps));
-  } catch (const std::runtime_error& error) {
+  } catch (const PetscFailure& error) {
     if (!petsc_is_sound()) throw;
     throw std::invalid_argument(fmt::format(
         "the PETSc options do not suit these modes: {}; docs/petsc.md says which options make sense",
@@ -308,7 +308,8 @@ EigenPairs solve_for(const EigenProblem& problem, const EigenRequest& request, i
   set_up(o.eps);
   try {
     ok(EPSSolve(o.eps));
-  } catch (const std::runtime_error& error) {
+  } catch (const PetscFailure& error) {
+    if (!petsc_is_sound()) throw;
     throw std::runtime_error(
         fmt::format("SLEPc's {} does not find these modes: {}; ask for fewer, or take another eigensolver "
                     "(docs/petsc.md)",

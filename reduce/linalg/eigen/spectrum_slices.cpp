@@ -40,8 +40,9 @@ struct Stuck : std::runtime_error {
 class Slices {
  public:
   Slices(const EigenProblem& problem, const EigenRequest& request, const SliceSettings& settings,
-         const Progress& progress)
+         const Progress& progress, int& n_solves)
       : problem_(problem),
+        n_solves_(n_solves),
         request_(request),
         settings_(settings.lanczos),
         progress_(progress),
@@ -59,7 +60,8 @@ class Slices {
     trim(pairs_, request_);
     pairs_.residual.conservativeResize(pairs_.omega2.size());
     pairs_.round_off.conservativeResize(pairs_.omega2.size());
-    pairs_.counted = counted_ > 0;
+    // Where all there is was found the last shift need not lie beyond it.
+    pairs_.counted = counted_ > 0 && sigma_ > last_found();
     report(progress_, kStage, 1.0);
     return std::move(pairs_);
   }
@@ -168,7 +170,10 @@ class Slices {
   // Block Lanczos from one shift; what it finds joins the pairs.
   void extend(const Slice& slice) {
     EigenProblem shifted = problem_;
-    shifted.solve = slice.solve;
+    shifted.solve = [this, &slice](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) {
+      n_solves_ += static_cast<int>(X.cols());
+      slice.solve(X, Y);
+    };
     const Index target = slice.n_left + slice.least_right;
     const Index suggested = std::max<Index>(settings_.most_vectors, target + 5 * block_);
     LanczosSpace space(shifted, settings_.storage, block_,
@@ -209,7 +214,6 @@ class Slices {
         check_neighbour(slice, ritz);
         EigenPairs some = take(shifted, space, ritz, std::min(known.left, slice.n_left), right);
         if (some.Phi.cols() == 0 || is_accurate(some, request_.tolerance)) {
-          some.n_solves += space.n_solves();
           some.n_blocks += space.n_blocks();
           return add(slice, some);
         }
@@ -317,7 +321,6 @@ class Slices {
     append(pairs_.omega2, some.omega2);
     append(pairs_.residual, some.residual);
     append(pairs_.round_off, some.round_off);
-    pairs_.n_solves += some.n_solves;
     pairs_.n_blocks += some.n_blocks;
     if (settings_.look) settings_.look(pairs_.omega2, pairs_.residual, found(), pairs_.n_blocks);
   }
@@ -345,6 +348,7 @@ class Slices {
   }
 
   const EigenProblem& problem_;
+  int& n_solves_;
   const EigenRequest& request_;
   const BlockLanczosSettings& settings_;
   const Progress& progress_;
@@ -361,8 +365,11 @@ EigenPairs iterate_slices(const EigenProblem& problem, const EigenRequest& reque
                           const SliceSettings& settings, const Progress& progress) {
   // Of a multiple eigenvalue one vector may come so late that all about it is taken for found; wider blocks bring it earlier.
   constexpr int kWider = 4;
+  int n_solves = 0;  // in vain or not
   for (SliceSettings now = settings;; now.lanczos.block *= 2) try {
-      return Slices(problem, request, now, progress).run();
+      EigenPairs pairs = Slices(problem, request, now, progress, n_solves).run();
+      pairs.n_solves = n_solves;
+      return pairs;
     } catch (const Miscounted&) {
       if (now.lanczos.block >= kWider * settings.lanczos.block) throw;
     }

@@ -5,6 +5,7 @@
 #include <petscsys.h>
 
 #include <exception>
+#include <stdexcept>
 
 namespace flexura::linalg {
 
@@ -24,7 +25,12 @@ PetscErrorCode guarded(const Work& work) {
   }
 }
 
-/// Unless the code is zero: throws what a callback has thrown, or else std::runtime_error("PETSc failed while
+/// An error of PETSc or SLEPc itself, not of one of our callbacks.
+struct PetscFailure : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Unless the code is zero: throws what a callback has thrown, or else PetscFailure("PETSc failed while
 /// `doing`: `its message`").
 void petsc_check(PetscErrorCode code, const char* doing);
 

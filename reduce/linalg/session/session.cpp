@@ -73,7 +73,7 @@ void petsc_check(PetscErrorCode code, const char* doing) {
     PetscErrorMessage(code, &general, nullptr);
     text = general ? general : "error " + std::to_string(static_cast<int>(code));
   }
-  throw std::runtime_error("PETSc failed while " + std::string(doing) + ": " + text);
+  throw PetscFailure("PETSc failed while " + std::string(doing) + ": " + text);
 }
 
 void require_session() {

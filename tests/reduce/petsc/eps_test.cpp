@@ -16,6 +16,7 @@
 #include "reduce/linalg/petsc/petsc_check.hpp"
 #include "tests/app/command.hpp"
 #include "tests/reduce/petsc/petsc_options.hpp"
+#include "tests/reduce/unit_masses.hpp"
 
 // The eigensolver type "blocklanczos" through SLEPc's own functions, and SLEPc's other types on the road of reductions.
 namespace flexura::linalg {
@@ -245,12 +246,7 @@ TEST_P(Types, GiveTheSameEigenpairs) {
   }
   A.finish();
   const CholeskyFactor factor(A);
-  EigenProblem problem;
-  problem.n = problem.n_free = A.size();
-  problem.solve = [&](const auto& X, auto& Y) { Y = factor.solve(X); };
-  problem.multiply_K = [&](const auto& X, auto& Y) { A.multiply(X, Y); };
-  problem.multiply_magnitudes = [&](const auto& X, auto& Y) { A.multiply_magnitudes(X, Y); };
-  problem.multiply_M = [](const auto& X, auto& Y) { Y = X; };
+  const EigenProblem problem = testing::unit_mass_problem(A, factor);
   const std::vector<double> exact = Grid::eigenvalues(n);
   // Five and six are twins, seven and eight too: the cut between them keeps both.
   const EigenPairs pairs = block_lanczos(problem, {6, 0.0, 1e-9});
@@ -269,6 +265,7 @@ TEST_P(Types, GiveTheSameEigenpairs) {
   while (exact[below] - exact[below - 1] < 1e-2) ++below;
   EXPECT_EQ(block_lanczos(problem, {1, 0.5 * (exact[below - 1] + exact[below]), 1e-9}).omega2.size(), below);
 }
+
 // Thirty equal chains of twelve springs that nothing joins, as equal bays between stiff bulkheads are: every eigenvalue is
 // thirtyfold, blocks have eight vectors.
 TEST(BlockLanczosType, FindsClustersThatAreLargerThanItsBlocks) {
@@ -286,12 +283,7 @@ TEST(BlockLanczosType, FindsClustersThatAreLargerThanItsBlocks) {
   }
   A.finish();
   const CholeskyFactor factor(A);
-  EigenProblem problem;
-  problem.n = problem.n_free = A.size();
-  problem.solve = [&](const auto& X, auto& Y) { Y = factor.solve(X); };
-  problem.multiply_K = [&](const auto& X, auto& Y) { A.multiply(X, Y); };
-  problem.multiply_magnitudes = [&](const auto& X, auto& Y) { A.multiply_magnitudes(X, Y); };
-  problem.multiply_M = [](const auto& X, auto& Y) { Y = X; };
+  const EigenProblem problem = testing::unit_mass_problem(A, factor);
   for (const int count : {1, 3, 20, 31, 80}) {
     const EigenPairs pairs = block_lanczos(problem, {count, 0.0, 1e-9});
     ASSERT_EQ(pairs.omega2.size(), (count + kChains - 1) / kChains * kChains) << count;
