@@ -136,6 +136,32 @@ std::array<superelement::Superelement, 2> by_one_and_by(const test::Folder& fold
           superelement::read(folder / "together.se.h5", kAll)};
 }
 
+// A block of ten-node tetrahedra, 4 m long, with all that a part can have beside its cells: its left end follows a rigid
+// interface node of which four directions are retained, the right one has the given tie; a mass beside the rigid one and one at
+// a node, a spring and damper, gravity, stiffening and stresses.
+std::string block_part(const test::Folder& folder, const std::string& modes, const std::string& right_tie,
+                       int lamp, const std::string& more) {
+  return folder
+      .write("block.toml",
+             "stiffening = true\n[geometry]\nfile = \"" + std::string(FLEXURA_SOURCE_DIR) +
+                 "/tests/mesh/data/blockC3D10.inp\"\n[modes]\n" + modes +
+                 "[recovery]\nstress = true\nprecision = \"double\"\n"
+                 "[interface.left]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n"
+                 "directions = [\"x\", \"y\", \"z\", \"rx\"]\n"
+                 "[interface.right]\nby = \"plane\"\npoint = [4, 0, 0]\nnormal = [1, 0, 0]\n"
+                 "tie = \"" +
+                 right_tie +
+                 "\"\n"
+                 "[mass_point.motor]\nmass = 2000\ninterface = \"left\"\noffset = [-0.3, 0.1, 0]\n"
+                 "[mass_point.lamp]\nmass = 500\nnode = " +
+                 std::to_string(lamp) +
+                 "\n"
+                 "[link.strut]\nnodes = [13, 17]\nstiffness = \"1e9 N/m\"\ndamping = \"100 N s/m\"\n"
+                 "[load.weight]\ntype = \"gravity\"\nacceleration = [0, 0, -9.81]\n" +
+                 more)
+      .string();
+}
+
 class ByProcesses : public ::testing::TestWithParam<int> {};
 
 // The cantilever of hexahedra is square: its bending modes come in pairs, whose directions nothing tells
@@ -152,35 +178,13 @@ TEST_P(ByProcesses, TheWorkIsSharedAndTheSuperelementIsThatOfOne) {
   expect_same(superelement::read(alone, {.shapes = true}), superelement::read(together, {.shapes = true}));
 }
 
-// A block of ten-node tetrahedra with all that a part can have beside its cells: one end follows a rigid interface node of
-// which four directions are retained, the other is held in the mean; a mass beside the rigid one, a spring and damper, loads,
-// response modes, stiffening and stresses.
+// One end is held in the mean; response modes and a preload, too.
 TEST_P(ByProcesses, MassesLinksLoadsStiffeningAndStressesAreThoseOfOne) {
   const test::Folder folder;
-  const std::string deck = std::string(FLEXURA_SOURCE_DIR) + "/tests/mesh/data/blockC3D10.inp";
-  const std::string part =
-      folder
-          .write("block.toml",
-                 "stiffening = true\n[geometry]\nfile = \"" + deck +
-                     "\"\n[modes]\ncount = 8\nresponse_at = [0]\n[recovery]\nstress = true\n"
-                     "precision = \"double\"\n"
-                     "[interface.left]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n"
-                     "directions = [\"x\", \"y\", \"z\", \"rx\"]\n"
-                     "[interface.right]\nby = \"plane\"\npoint = [4, 0, 0]\nnormal = [1, 0, 0]\n"
-                     "tie = \"average\"\n"
-                     "[mass_point.motor]\nmass = 2000\ninterface = \"left\"\noffset = [-0.3, 0.1, 0]\n"
-                     "[mass_point.lamp]\nmass = 500\nnode = 17\n"
-                     "[link.strut]\nnodes = [13, 17]\nstiffness = \"1e9 N/m\"\ndamping = \"100 N s/m\"\n"
-                     "[load.weight]\ntype = \"gravity\"\nacceleration = [0, 0, -9.81]\nkeep_shape = true\n"
-                     "[load.heat]\ntype = \"preload\"\nstrain = \"1e-4 * (1 + x - 2 * z)\"\n")
-          .string();
-  const std::string alone = folder / "alone.se.h5", together = folder / "together.se.h5";
-  const test::Outcome one = test::run("flexura-reduce", {part, "-o", alone, "-q"});
-  ASSERT_EQ(one.exit_code, 0) << one.err;
-  const test::Outcome all = under_mpirun(folder, GetParam(), {part, "-o", together, "-q"});
-  ASSERT_EQ(all.exit_code, 0) << all.err;
-  const superelement::Superelement a = superelement::read(alone, kAll),
-                                   b = superelement::read(together, kAll);
+  const std::string part = block_part(folder, "count = 8\nresponse_at = [0]\n", "average", 17,
+                                      "keep_shape = true\n[load.heat]\ntype = \"preload\"\n"
+                                      "strain = \"1e-4 * (1 + x - 2 * z)\"\n");
+  const auto [a, b] = by_one_and_by(folder, GetParam(), {part});
   expect_same(a, b);
   expect_same_fields(a, b);
   ASSERT_TRUE(a.load_cases.size() == 2 && b.load_cases.size() == 2);
@@ -193,24 +197,9 @@ TEST_P(ByProcesses, MassesLinksLoadsStiffeningAndStressesAreThoseOfOne) {
 // which the processes share as they share the first.
 TEST_P(ByProcesses, FreeModesAndAttachmentModesAreThoseOfOne) {
   const test::Folder folder;
-  const std::string deck = std::string(FLEXURA_SOURCE_DIR) + "/tests/mesh/data/blockC3D10.inp";
-  const std::string part =
-      folder
-          .write("block.toml",
-                 "stiffening = true\n[geometry]\nfile = \"" + deck +
-                     "\"\n[modes]\nset = \"craig_chang\"\ncount = 8\n[recovery]\nstress = true\n"
-                     "precision = \"double\"\n"
-                     "[interface.left]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n"
-                     "directions = [\"x\", \"y\", \"z\", \"rx\"]\n"
-                     "[interface.right]\nby = \"plane\"\npoint = [4, 0, 0]\nnormal = [1, 0, 0]\n"
-                     "tie = \"average\"\n"
-                     "[interface.eye]\nby = \"nodes\"\nnodes = [13]\ntie = \"node\"\ndirections = [\"y\", "
-                     "\"z\"]\n"
-                     "[mass_point.motor]\nmass = 2000\ninterface = \"left\"\noffset = [-0.3, 0.1, 0]\n"
-                     "[mass_point.lamp]\nmass = 500\nnode = 17\n"
-                     "[link.strut]\nnodes = [13, 17]\nstiffness = \"1e9 N/m\"\ndamping = \"100 N s/m\"\n"
-                     "[load.weight]\ntype = \"gravity\"\nacceleration = [0, 0, -9.81]\n")
-          .string();
+  const std::string part = block_part(folder, "set = \"craig_chang\"\ncount = 8\n", "average", 17,
+                                      "[interface.eye]\nby = \"nodes\"\nnodes = [13]\ntie = \"node\"\n"
+                                      "directions = [\"y\", \"z\"]\n");
   const auto [a, b] = by_one_and_by(folder, GetParam(), {part});
   expect_same(a, b);
   expect_same_fields(a, b);
@@ -220,23 +209,8 @@ TEST_P(ByProcesses, FreeModesAndAttachmentModesAreThoseOfOne) {
 // as a whole; a mass and a load on it.
 TEST_P(ByProcesses, InterfaceModesOfElasticTiesAreThoseOfOne) {
   const test::Folder folder;
-  const std::string deck = std::string(FLEXURA_SOURCE_DIR) + "/tests/mesh/data/blockC3D10.inp";
-  const std::string part =
-      folder
-          .write(
-              "block.toml",
-              "stiffening = true\n[geometry]\nfile = \"" + deck +
-                  "\"\n[modes]\ncount = 8\ncertify = true\ninterface_count = 12\n[recovery]\nstress = true\n"
-                  "precision = \"double\"\n"
-                  "[interface.left]\nby = \"plane\"\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n"
-                  "directions = [\"x\", \"y\", \"z\", \"rx\"]\n"
-                  "[interface.right]\nby = \"plane\"\npoint = [4, 0, 0]\nnormal = [1, 0, 0]\n"
-                  "tie = \"elastic\"\n"
-                  "[mass_point.motor]\nmass = 2000\ninterface = \"left\"\noffset = [-0.3, 0.1, 0]\n"
-                  "[mass_point.lamp]\nmass = 500\nnode = 12\n"
-                  "[link.strut]\nnodes = [13, 17]\nstiffness = \"1e9 N/m\"\ndamping = \"100 N s/m\"\n"
-                  "[load.weight]\ntype = \"gravity\"\nacceleration = [0, 0, -9.81]\nkeep_shape = true\n")
-          .string();
+  const std::string part = block_part(folder, "count = 8\ncertify = true\ninterface_count = 12\n", "elastic",
+                                      12, "keep_shape = true\n");
   const auto [a, b] = by_one_and_by(folder, GetParam(), {part});
   EXPECT_EQ(a.n_q, 8 + 1 + 12);
   ASSERT_TRUE(a.mesh_error);
