@@ -204,8 +204,18 @@ std::string value_of(const std::set<std::string>& words, const std::string& begi
                                                                          : otherwise;
 }
 
+/// A misspelt word would be a comparison that is not made.
+void refuse_unknown(const std::set<std::string>& words) {
+  const std::set<std::string> known = {"krylov", "one_basis", "packages", "calculix", "file"};
+  for (const std::string& word : words)
+    if (!known.contains(word) && !word.starts_with("slice=") && !word.starts_with("petsc=") &&
+        !word.starts_with("tolerance="))
+      throw std::invalid_argument("bench_reduction does not know the word '" + word + "'");
+}
+
 void run(const std::string& name, const std::filesystem::path& file, const std::string& size, int n_modes,
          const std::set<std::string>& words) {
+  refuse_unknown(words);
   PartInput input = read_part(file, {"mesh.size=" + size, fmt::format("modes.count={}", n_modes)});
   input.cad.worker = FLEXURA_BIN_DIR "/flexura-mesh";
   const ModelledPart modelled = make_part(input, load_part_mesh(input, {}));
