@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -110,6 +111,8 @@ class Preparation {
       for (const superelement::Direction d : i.directions) hash.add(fmt::format("{}", static_cast<int>(d)));
       add_to(hash, i.follow);
       for (const superelement::Direction d : i.following) hash.add(fmt::format("{}", static_cast<int>(d)));
+      add_to(hash, i.free_motion);
+      for (const superelement::Direction d : i.free) hash.add(fmt::format("{}", static_cast<int>(d)));
     }
     problem_key_ = hash.hex();
   }
@@ -122,15 +125,26 @@ class Preparation {
                                [&] { return matrices_of(problem().eigenmodes(options_.held)); }));
   }
 
-  /// The basis, in superelement coordinates: so many of the eigenmodes, with response modes or without.
-  ModeSet basis(const ModeSet& eigenmodes, int kept, bool responses) {
+  struct Basis {
+    ModeSet modes;       ///< in superelement coordinates
+    ModesWithin damped;  ///< whose ratios a damping law gives; C empty: the basis itself
+  };
+
+  /// So many of the eigenmodes, with response modes or without.
+  Basis basis(const ModeSet& eigenmodes, int kept, bool responses) {
     input::ContentHash hash;
     hash.add(eigenmodes_key_).add(fmt::format("{} {}", kept, options_.fixed_interface));
     add_to(hash, options_.frame);
     if (responses) hash.add(responses_key());
     basis_key_ = hash.hex();
-    return modes_of(cache_.get("basis", basis_key_,
-                               [&] { return matrices_of(make_basis(eigenmodes, kept, responses)); }));
+    const auto entry = cache_.get("basis", basis_key_, [&] {
+      Basis made = make_basis(eigenmodes, kept, responses);
+      PreparationCache::Matrices out = matrices_of(std::move(made.modes));
+      out.push_back(std::move(made.damped.C));
+      out.push_back(std::move(made.damped.omega2));
+      return out;
+    });
+    return {modes_of(entry), {(*entry)[2], (*entry)[3].col(0)}};
   }
 
   superelement::InertiaIntegrals inertia(const MatrixXd& Y) {
@@ -189,13 +203,15 @@ class Preparation {
     return add_to(hash, options_.loads).hex();
   }
 
-  ModeSet make_basis(const ModeSet& eigenmodes, int kept, bool responses) {
+  Basis make_basis(const ModeSet& eigenmodes, int kept, bool responses) {
     const Index n_loads = responses ? options_.loads.cols() : 0;
     const bool free_eigenmodes_alone =
         options_.held.cols() == 0 && !responses && options_.fixed_interface < 0 && options_.frame.cols() == 0;
-    ModeSet modes;
+    Basis out;
+    ModeSet& modes = out.modes;
     if (free_eigenmodes_alone) {
       modes = {eigenmodes.Y.leftCols(kept), eigenmodes.omega2.head(kept)};
+      out.damped.omega2 = modes.omega2;
     } else {
       MatrixXd S(se_.n(), kept + n_loads);
       S.leftCols(kept) = eigenmodes.Y.leftCols(kept);
@@ -211,16 +227,19 @@ class Preparation {
       // Mean axes first: what is dependent there is, whatever frame follows.
       problem().to_mean_axes(S);
       modes = problem().orthonormalised(std::move(S));
-      if (options_.fixed_interface >= 0) {
+      const bool other_frame = options_.fixed_interface >= 0 || options_.frame.cols() > 0;
+      if (options_.fixed_interface >= 0)
         problem().to_fixed_interface(options_.fixed_interface, modes.Y);
-        modes = problem().orthonormalised(std::move(modes.Y));
-      } else if (options_.frame.cols() > 0) {
+      else if (options_.frame.cols() > 0)
         problem().to_held_frame(options_.frame, modes.Y);
-        modes = problem().orthonormalised(std::move(modes.Y));
-      }
+      if (other_frame) modes = problem().orthonormalised(std::move(modes.Y));
+      if (other_frame || options_.held.cols() > 0)
+        out.damped = problem().eigenmodes_within(modes, options_.held);
+      else
+        out.damped.omega2 = modes.omega2;
     }
     modes.Y = problem().to_coordinates(modes.Y);
-    return modes;
+    return out;
   }
 
   const superelement::Superelement& se_;
@@ -230,6 +249,41 @@ class Preparation {
   std::optional<ModalProblem> problem_;  // where something is to be computed
   std::string problem_key_, eigenmodes_key_, basis_key_;
 };
+
+// D_e = Y^T D_se Y where the superelement has it and no law is given; else of the ratios of the modes X = Y C,
+// C^-T diag(2 zeta omega) C^-1.
+void set_damping(const superelement::Superelement& se, const DampingLaw& law, const ModesWithin& modes,
+                 ModalData& data) {
+  VectorXd own = 2.0 * se.modal_damping * modes.omega2.cwiseSqrt(), of_matrix = VectorXd::Zero(own.size());
+  MatrixXd D;
+  if (se.D_se.size() > 0 && !law.given()) {
+    D = data.Y.transpose() * se.D_se * data.Y;
+    of_matrix = (modes.C.size() > 0 ? MatrixXd(modes.C.transpose() * D * modes.C) : D).diagonal();
+    own = of_matrix;
+  }
+  const VectorXd of_ratios = modal_damping(law, modes.omega2, own) - of_matrix;
+  if (modes.C.size() == 0 && D.size() == 0) {
+    data.damping = of_ratios;
+    return;
+  }
+  if (D.size() == 0) D.setZero(own.size(), own.size());
+  if (modes.C.size() == 0) {
+    D.diagonal() += of_ratios;
+  } else {
+    const MatrixXd inverse = modes.C.partialPivLu().inverse();
+    D += inverse.transpose() * of_ratios.asDiagonal() * inverse;
+  }
+  D = (0.5 * (D + D.transpose())).eval();
+  data.damping = D.diagonal();
+  D.diagonal().setZero();
+  // Nothing beside the diagonal is round-off of sums, of a change of basis in parts of what two modes can share.
+  constexpr double kOfLargest = 1e-14, kOfShare = 1e-10;
+  const VectorXd size = data.damping.cwiseMax(0.0).cwiseSqrt();
+  const bool couples = (D.array().abs() > kOfLargest * data.damping.cwiseAbs().maxCoeff() &&
+                        D.array().abs() > kOfShare * (size * size.transpose()).array())
+                           .any();
+  if (couples) data.damping_coupling = std::move(D);
+}
 
 }  // namespace
 
@@ -259,7 +313,7 @@ ModalData modal_data(const superelement::Superelement& se, const BasisOptions& o
   const double first_dropped = kept < available ? hz(eigenmodes.omega2(kept)) : 0.0;
   std::vector<double> eigen_hz;
   for (int i = 0; i < kept; ++i) eigen_hz.push_back(hz(eigenmodes.omega2(i)));
-  const ModeSet modes = steps.basis(eigenmodes, kept, responses);
+  const auto [modes, damped] = steps.basis(eigenmodes, kept, responses);
   const int m = static_cast<int>(modes.omega2.size());
   if (report)
     *report = {available,     kept,    m - kept, hz(modes.omega2(0)), hz(modes.omega2(m - 1)),
@@ -272,11 +326,7 @@ ModalData modal_data(const superelement::Superelement& se, const BasisOptions& o
   data.coupling = options.coupling;
   DampingLaw law = options.damping_law;
   if (options.damping) law.ratio = options.damping;
-  // Of a general D_se the modes keep what acts within each mode.
-  const VectorXd of_superelement = se.D_se.size() > 0
-                                       ? VectorXd((data.Y.transpose() * se.D_se * data.Y).diagonal())
-                                       : VectorXd(2.0 * se.modal_damping * data.stiffness.cwiseSqrt());
-  data.damping = modal_damping(law, data.stiffness, of_superelement);
+  set_damping(se, law, damped, data);
   std::vector<MatrixXd> K0F;
   if (options.stiffening) {
     data.second = steps.second(data.Y);

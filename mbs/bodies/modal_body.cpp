@@ -111,8 +111,11 @@ Eigen::Matrix<double, 8, Eigen::Dynamic> padded(const FlexibleNode& node) {
 const ModalData& checked(const ModalData& data) {
   const Eigen::Index m = data.stiffness.size();
   const superelement::InertiaIntegrals& in = data.inertia;
-  bool fits =
-      data.damping.size() == m && in.S_phi.cols() == m && in.S_xphi.rows() == 9 && in.S_xphi.cols() == m;
+  const auto is_none_or_m = [m](const Eigen::MatrixXd& A) {
+    return A.size() == 0 || (A.rows() == m && A.cols() == m);
+  };
+  bool fits = data.damping.size() == m && is_none_or_m(data.damping_coupling) && in.S_phi.cols() == m &&
+              in.S_xphi.rows() == 9 && in.S_xphi.cols() == m;
   for (const Eigen::MatrixXd& S : in.S_phiphi) fits = fits && S.rows() == m && S.cols() == m;
   for (const FlexibleNode& node : data.nodes) fits = fits && node.Phi_t.cols() == m && node.Phi_r.cols() == m;
   if (data.second)
@@ -264,6 +267,7 @@ Spatial ModalBody::inverse_dynamics(const double* s_values, const double* s_dot_
   need.angular = d.cross(a) + work.J * alpha + w.cross(work.J * w) + C_r_s_ddot;
 
   modal = data_.stiffness.cwiseProduct(s) + data_.damping.cwiseProduct(s_dot);
+  if (data_.damping_coupling.size() > 0) modal.noalias() += data_.damping_coupling * s_dot;
   modal.noalias() += M_e() * s_ddot;
   modal.noalias() += work.C_t.transpose() * a;
   modal.noalias() += work.C_r.transpose() * alpha;
@@ -327,8 +331,15 @@ double ModalBody::strain_energy(const double* s) const {
   return 0.5 * data_.stiffness.dot(ConstMap(s, m_).cwiseAbs2());
 }
 
-double ModalBody::dissipated_power(const double*, const double* s_dot) const {
-  return data_.damping.dot(ConstMap(s_dot, m_).cwiseAbs2());
+double ModalBody::dissipated_power(const double*, const double* s_dot_values) const {
+  const ConstMap s_dot(s_dot_values, m_);
+  double power = data_.damping.dot(s_dot.cwiseAbs2());
+  if (data_.damping_coupling.size() > 0) power += s_dot.dot(data_.damping_coupling * s_dot);
+  return power;
+}
+
+void ModalBody::add_tangents(const double*, const double*, MatrixRef, MatrixRef D) const {
+  if (data_.damping_coupling.size() > 0) D += data_.damping_coupling;
 }
 
 Pose ModalBody::node_pose(int index, const double* s_values) const {

@@ -81,7 +81,7 @@ class ModalBody final : public FlexibleBody {
                             const Spatial& A, Scratch& scratch, DeformationTangents& out) const override;
   void node_tangents(int node, const double* s, const double* s_dot, const double* s_ddot,
                      const Vector6d& wrench, DeformationTangents& out) const override;
-  void add_tangents(const double*, const double*, MatrixRef, MatrixRef) const override {}  // spring() is all
+  void add_tangents(const double*, const double*, MatrixRef, MatrixRef D) const override;  // beside spring()
 
  private:
   struct Work final : Scratch {

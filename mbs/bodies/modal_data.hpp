@@ -39,11 +39,19 @@ struct SecondOrderIntegrals {
 struct ModalData {
   superelement::InertiaIntegrals inertia;  ///< with the columns of the basis in place of the shapes
   Eigen::VectorXd stiffness;               ///< m: omega_i^2 for mass-normalised modes
-  Eigen::VectorXd damping;                 ///< m: 2 zeta omega_i
+  Eigen::VectorXd damping;                 ///< m: the diagonal of D_e
+  Eigen::MatrixXd damping_coupling = {};   ///< m x m: D_e beside its diagonal; empty: D_e is diagonal
   std::vector<FlexibleNode> nodes;
   Eigen::MatrixXd Y;  ///< n_se x m, u_se = Y s
   Coupling coupling = Coupling::full;
   std::optional<SecondOrderIntegrals> second = {};  ///< with geometric stiffening, which needs full coupling
+
+  /// D_e, m x m: the generalised forces -D_e s'.
+  Eigen::MatrixXd damping_matrix() const {
+    Eigen::MatrixXd D = damping.asDiagonal();
+    if (damping_coupling.size() > 0) D += damping_coupling;
+    return D;
+  }
 };
 
 }  // namespace flexura::mbs

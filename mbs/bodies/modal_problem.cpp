@@ -133,7 +133,7 @@ void ModalProblem::to_held_frame(const MatrixXd& held, MatrixXd& S) const {
 
 void ModalProblem::to_fixed_interface(int interface, MatrixXd& S) const {
   const superelement::Interface& i = se_.interfaces.at(interface);
-  if (i.directions.size() + i.following.size() != 6)
+  if (i.directions.size() + i.following.size() + i.free.size() != 6)
     throw std::invalid_argument(fmt::format(
         "superelement \"{}\": interface \"{}\" keeps {} of six directions; a joint-fixed frame needs "
         "all six (or take frame = \"mean_axis\")",
@@ -156,6 +156,48 @@ ModeSet ModalProblem::orthonormalised(MatrixXd S) const {
   const MatrixXd Q = S * gram.eigenvectors().rightCols(m) *
                      gram.eigenvalues().tail(m).cwiseSqrt().cwiseInverse().asDiagonal();
   return eigenmodes_in(Q);
+}
+
+ModesWithin ModalProblem::eigenmodes_within(const ModeSet& basis, const MatrixXd& held) const {
+  const Index m = basis.Y.cols();
+  MatrixXd S = basis.Y;
+  to_mean_axes(S);
+  MatrixXd G = S.transpose() * M_ * S;
+  G = (0.5 * (G + G.transpose())).eval();
+  ModesWithin out{MatrixXd(m, m), Eigen::VectorXd(m)};
+  Index k = 0;
+  if (held.cols() > 0) {
+    MatrixXd V(n_, m + R_.cols());
+    V << S, R_;
+    // What of V's combinations the condition leaves.
+    const Eigen::ColPivHouseholderQR<MatrixXd> conditions = [&] {
+      MatrixXd rows = V.transpose() * conditions_of(held);
+      for (Index j = 0; j < rows.cols(); ++j)
+        if (const double length = rows.col(j).norm(); length > 0.0) rows.col(j) /= length;
+      Eigen::ColPivHouseholderQR<MatrixXd> qr(rows.rows(), rows.cols());
+      qr.setThreshold(1e-9);
+      return qr.compute(rows);
+    }();
+    const Index left = V.cols() - conditions.rank();
+    const MatrixXd N = conditions.householderQ() * MatrixXd::Identity(V.cols(), V.cols()).rightCols(left);
+    k = std::min(left, m);
+    if (k > 0) {
+      const ModeSet modes = eigenmodes_in(V * N);
+      MatrixXd X = modes.Y.leftCols(k);
+      to_mean_axes(X);
+      out.C.leftCols(k) = G.ldlt().solve(S.transpose() * (M_ * X));
+      out.omega2.head(k) = modes.omega2.head(k);
+    }
+  }
+  if (k < m) {
+    const Eigen::HouseholderQR<MatrixXd> qr(G * out.C.leftCols(k));
+    const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(m, m).rightCols(m - k);
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> rest(
+        Q.transpose() * basis.omega2.asDiagonal() * Q, Q.transpose() * G * Q);
+    out.C.rightCols(m - k) = Q * rest.eigenvectors();
+    out.omega2.tail(m - k) = rest.eigenvalues();
+  }
+  return out;
 }
 
 ModeSet ModalProblem::eigenmodes_in(const MatrixXd& N) const {

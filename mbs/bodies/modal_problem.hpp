@@ -25,6 +25,12 @@ struct ModeSet {
   Eigen::VectorXd omega2;  ///< [rad^2/s^2]
 };
 
+/// Modes X = Y C of a set Y of deformations, rigid motions aside.
+struct ModesWithin {
+  Eigen::MatrixXd C;  ///< m x m
+  Eigen::VectorXd omega2;
+};
+
 /// The eigenvalue problem (K - omega^2 M) y = 0 of a superelement with its rigid motions R known, scaled to a
 /// unit diagonal of M: displacements, rotations and modal coordinates differ in size.  Modes are given and
 /// taken in these scaled coordinates.  Behind modal_basis.hpp, which says what the steps are for.
@@ -52,6 +58,11 @@ class ModalProblem {
 
   /// Y^T M Y = 1, Y^T K Y = Omega^2 in the span of S; directions that depend on the others are dropped.
   ModeSet orthonormalised(Eigen::MatrixXd S) const;
+
+  /// The deformations Y (n x m, orthonormalised) by the eigenmodes among them under the condition of `held` (empty: free), a rigid
+  /// motion added to each.  Where the condition leaves fewer than m, those that are orthogonal to them follow, by their own
+  /// frequencies.
+  ModesWithin eigenmodes_within(const ModeSet& basis, const Eigen::MatrixXd& held) const;
 
  private:
   Eigen::MatrixXd to_loads(const Eigen::MatrixXd& P) const { return scale_.asDiagonal() * P; }

@@ -26,6 +26,7 @@ void ModalBody::deformation_tangents(const double*, const double* s_dot_values, 
 
   out.modal_s = data_.stiffness.asDiagonal();
   out.modal_v = data_.damping.asDiagonal();
+  if (data_.damping_coupling.size() > 0) out.modal_v += data_.damping_coupling;
   Matrix3d Q = w * w.transpose() - w.squaredNorm() * Matrix3d::Identity();
   if (full) {
     out.T_v.noalias() = T_ * s_dot;

@@ -181,6 +181,33 @@ MatrixXd loads_on(const BodyNodes& nodes, const MechanismDescription& d, int bod
   return loads;
 }
 
+std::array<bool, 6> loaded_directions(const BodyNodes& nodes, const MechanismDescription& d, int body,
+                                      int node) {
+  const auto is_here = [&](int marker) {
+    return marker >= 0 && d.markers[marker].body == body && d.markers[marker].node == node;
+  };
+  for (const auto& force : d.forces)
+    if (const auto [from, to] = force->markers(); is_here(from) || is_here(to))
+      return {true, true, true, true, true, true};
+  for (const auto& constraint : d.constraints)
+    if (std::ranges::any_of(constraint->markers(), is_here)) return {true, true, true, true, true, true};
+  BodyNode six;  // whose six motions are coordinates
+  six.rows = MatrixXd::Identity(6, 6);
+  std::array<bool, 6> out{};
+  for (const JointDescription& joint : d.joints) {
+    const int marker = marker_on(d, joint, body);
+    if (!is_here(marker)) continue;
+    BodyNodes alone(nodes.size(), six);
+    const MatrixXd all = marker_loads(alone, d.markers[marker]);
+    constexpr double kParallel = 1e-9;
+    for (const int k :
+         joint.is_driven() ? std::vector<int>{0, 1, 2, 3, 4, 5} : locked_directions(*joint.joint))
+      for (int row = 0; row < 6; ++row)
+        out[row] = out[row] || std::abs(all(row, k)) > kParallel * all.col(k).norm();
+  }
+  return out;
+}
+
 std::vector<int> loaded_nodes(const MechanismDescription& d, int body) {
   std::set<int> found;
   const auto take = [&](int marker) {

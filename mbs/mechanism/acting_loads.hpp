@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "mbs/bodies/body_node.hpp"
@@ -38,5 +39,9 @@ std::vector<int> loaded_nodes(const MechanismDescription& d, int body);
 /// Loads that what acts on the node can put on it: all six, less the torques of a joint that turns freely
 /// there, where nothing else acts.
 Eigen::MatrixXd loads_on(const BodyNodes& nodes, const MechanismDescription& d, int body, int node);
+
+/// Whether what acts on the node can load it along u_x .. theta_z of its axes: a joint does where it locks, all else anywhere.
+std::array<bool, 6> loaded_directions(const BodyNodes& nodes, const MechanismDescription& d, int body,
+                                      int node);
 
 }  // namespace flexura::mbs

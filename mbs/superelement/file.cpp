@@ -48,13 +48,16 @@ std::string header_text(const Superelement& se) {
          {"p_BoN_B", {interface.p_BoN_B.x(), interface.p_BoN_B.y(), interface.p_BoN_B.z()}},
          {"directions", directions},
          {"first_dof", interface.first_dof}});
-    if (interface.following.empty()) continue;
-    json& follow = header["interfaces"].back()["follow"] = json::object();
-    for (std::size_t k = 0; k < interface.following.size(); ++k) {
-      const Eigen::VectorXd row = interface.follow.row(static_cast<Eigen::Index>(k));
-      follow[direction_names[static_cast<int>(interface.following[k])]] =
-          std::vector<double>(row.begin(), row.end());
-    }
+    const auto write_rows = [&](const char* key, const std::vector<Direction>& directions_of,
+                                const Eigen::MatrixXd& rows) {
+      for (std::size_t k = 0; k < directions_of.size(); ++k) {
+        const Eigen::VectorXd row = rows.row(static_cast<Eigen::Index>(k));
+        header["interfaces"].back()[key][direction_names[static_cast<int>(directions_of[k])]] =
+            std::vector<double>(row.begin(), row.end());
+      }
+    };
+    write_rows("follow", interface.following, interface.follow);
+    write_rows("free", interface.free, interface.free_motion);
   }
   for (const LoadCase& load : se.load_cases) {
     header["load_cases"].push_back(load.name);
@@ -88,20 +91,21 @@ void read_header(const std::string& text, const std::string& label, Superelement
       };
       for (const json& name : entry.at("directions"))
         interface.directions.push_back(direction(name.get<std::string>()));
-      if (entry.contains("follow")) {
-        const json& follow = entry.at("follow");
-        for (const auto& [name, row] : follow.items()) {
-          interface.following.push_back(direction(name));
+      const auto read_rows = [&](const char* key, std::vector<Direction>& directions, Eigen::MatrixXd& rows) {
+        if (!entry.contains(key)) return;
+        for (const auto& [name, row] : entry.at(key).items()) {
+          directions.push_back(direction(name));
           const auto values = row.get<std::vector<double>>();
-          const auto k = static_cast<Eigen::Index>(interface.following.size());
-          if (k == 1) interface.follow.resize(1, static_cast<Eigen::Index>(values.size()));
-          if (interface.follow.cols() != static_cast<Eigen::Index>(values.size()))
-            throw hdf5::BadFile(label + ": rows of \"" + interface.name + "\" that follow differ in length");
-          interface.follow.conservativeResize(k, Eigen::NoChange);
-          interface.follow.row(k - 1) =
-              Eigen::Map<const Eigen::RowVectorXd>(values.data(), interface.follow.cols());
+          const auto k = static_cast<Eigen::Index>(directions.size());
+          if (k == 1) rows.resize(1, static_cast<Eigen::Index>(values.size()));
+          if (rows.cols() != static_cast<Eigen::Index>(values.size()))
+            throw hdf5::BadFile(label + ": rows of \"" + interface.name + "\" differ in length");
+          rows.conservativeResize(k, Eigen::NoChange);
+          rows.row(k - 1) = Eigen::Map<const Eigen::RowVectorXd>(values.data(), rows.cols());
         }
-      }
+      };
+      read_rows("follow", interface.following, interface.follow);
+      read_rows("free", interface.free, interface.free_motion);
       se.interfaces.push_back(std::move(interface));
     }
     for (const json& name : header.at("load_cases")) se.load_cases.push_back({name.get<std::string>(), {}});

@@ -75,17 +75,29 @@ Eigen::MatrixXd free_rigid_motions(const Eigen::MatrixXd& R, const std::vector<i
 
 struct Elastic {
   Eigen::VectorXd omega2;
-  Eigen::MatrixXd phi;              // in the free dofs, phi^T M phi = 1
-  Eigen::MatrixXd mechanisms = {};  // likewise
+  Eigen::MatrixXd phi;         // in the free dofs, phi^T M phi = 1
+  Eigen::MatrixXd mechanisms;  // likewise
 };
 
-// Eigenvectors of K_c, whose diagonal was one, with eigenvalues that are round-off: of K_c itself and of the computation that
-// gave it.
-Eigen::MatrixXd without_strain(const Eigen::MatrixXd& K_c, const std::string& name) {
-  const auto n = K_c.rows();
+// Motions that strain nothing beside the rigid ones R: eigenvectors of K, scaled, with eigenvalues that are round-off of K itself
+// and of the computation that gave it.  n x count, orthogonal to R in the scaled dofs.
+Eigen::MatrixXd mechanisms_of(const Eigen::MatrixXd& K, const Eigen::VectorXd& stiffness,
+                              const Eigen::MatrixXd& R, const std::string& name) {
+  const Eigen::Index n = K.rows(), n_r = R.cols();
   // Constraint modes leave 1e-12 and more of a unit diagonal.  Bending of a beam with n interfaces is soft, too, (4.73 / n)^4 / 24,
   // but the next mode is not far above it: what has no strain stands apart.
   constexpr double nothing = 1e-10, apart = 1e4;
+  // A dof that moves the body without strain has round-off for its diagonal: it is not scaled up.
+  constexpr double least = 1e-6;
+  const Eigen::VectorXd s = (K.diagonal().cwiseMax(0.0) + least * stiffness).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd Z = Eigen::MatrixXd::Identity(n, n);
+  if (n_r > 0) {
+    const Eigen::MatrixXd R_s = s.cwiseInverse().asDiagonal() * R;
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(R_s);
+    Z = (qr.householderQ() * Z).rightCols(n - n_r).eval();
+  }
+  Eigen::MatrixXd K_c = s.asDiagonal() * K * s.asDiagonal();
+  K_c = Z.transpose() * (0.5 * (K_c + K_c.transpose())).eval() * Z;
   // Most have none: no eigenvalue is much below the least pivot.
   if (const Eigen::LLT<Eigen::MatrixXd> factor(K_c);
       factor.info() == Eigen::Success &&
@@ -93,63 +105,84 @@ Eigen::MatrixXd without_strain(const Eigen::MatrixXd& K_c, const std::string& na
     return Eigen::MatrixXd(n, 0);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(K_c);
   const Eigen::VectorXd& values = solver.eigenvalues();
+  const Eigen::Index n_c = values.size();
   Eigen::Index count = 0;
-  for (Eigen::Index k = 0; k < n && values(k) <= nothing; ++k)
-    if (k + 1 == n || values(k + 1) > apart * std::max(std::abs(values(k)), epsilon)) count = k + 1;
+  for (Eigen::Index k = 0; k < n_c && values(k) <= nothing; ++k)
+    if (k + 1 == n_c || values(k + 1) > apart * std::max(std::abs(values(k)), epsilon)) count = k + 1;
   if (values(0) < -nothing || (count == 0 && !(values(0) > 0.0)))
     throw std::invalid_argument(fmt::format(
         "superelement \"{}\": K_se is not positive definite beside its rigid motions; "
         "a piece of the body is loose or an interface is not tied to it; join them and reduce again",
         name));
-  return solver.eigenvectors().leftCols(count);
+  return s.asDiagonal() * Z * solver.eigenvectors().leftCols(count);
 }
 
-// Elastic modes in the complement {x : (M R)^T x = 0} of the rigid motions R.
+// Mass-orthonormal, and mass-orthogonal to R.
+Eigen::MatrixXd with_unit_mass(Eigen::MatrixXd N, const Eigen::MatrixXd& M, const Eigen::MatrixXd& R,
+                               const std::string& name) {
+  for (int pass = 0; pass < 2; ++pass) N -= R * (R.transpose() * (M * N)).eval();
+  const Eigen::VectorXd s = M.diagonal().cwiseMax(0.0).cwiseSqrt();
+  for (Eigen::Index k = 0; k < N.cols(); ++k)
+    if (const double size = s.cwiseProduct(N.col(k)).norm(); size > 0.0) N.col(k) /= size;
+  const Eigen::MatrixXd mass = N.transpose() * M * N;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> own(0.5 * (mass + mass.transpose()));
+  if (!(own.eigenvalues()(0) > static_cast<double>(M.rows()) * epsilon))
+    throw std::invalid_argument(
+        fmt::format("superelement \"{}\": a motion of its interfaces has neither stiffness nor mass (a "
+                    "rotation behind a pin flag?); "
+                    "leave it out of the interface's directions and reduce again",
+                    name));
+  return N * own.operatorInverseSqrt();
+}
+
+// Amid the squares of the frequencies, by the logarithm; 0 without any.
+double middle_frequency2(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M,
+                         const Eigen::VectorXd& stiffness) {
+  constexpr double noise = 1e-10;
+  double sum = 0.0;
+  int count = 0;
+  for (Eigen::Index i = 0; i < K.rows(); ++i) {
+    if (!(M(i, i) > 0.0) || !(K(i, i) > noise * stiffness(i))) continue;
+    sum += std::log(K(i, i) / M(i, i));
+    ++count;
+  }
+  return count > 0 ? std::exp(sum / count) : 0.0;
+}
+
+// Elastic modes in the complement {x : (M R)^T x = 0} of the rigid motions R; `stiffness` is the size of K for dofs of that unit.
 Elastic elastic_modes(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M, const Eigen::MatrixXd& R,
-                      const std::string& name) {
-  const Eigen::Index n = K.rows(), n_r = R.cols();
-  if (n == n_r) return {Eigen::VectorXd(0), Eigen::MatrixXd(n, 0), Eigen::MatrixXd(n, 0)};
-  // Dofs of different units are brought to comparable stiffness first.
+                      const Eigen::VectorXd& stiffness, const std::string& name) {
+  const Eigen::Index n = K.rows();
+  Elastic result{Eigen::VectorXd(0), Eigen::MatrixXd(n, 0), Eigen::MatrixXd(n, 0)};
+  if (n == R.cols()) return result;
+  result.mechanisms = mechanisms_of(K, stiffness, R, name);
+  if (result.mechanisms.cols() > 0)
+    result.mechanisms = with_unit_mass(std::move(result.mechanisms), M, R, name);
+  Eigen::MatrixXd still(n, R.cols() + result.mechanisms.cols());  // strains nothing
+  still << R, result.mechanisms;
+  const Eigen::Index n_r = still.cols();
+  const double sigma = middle_frequency2(K, M, stiffness);
+  if (n == n_r || !(sigma > 0.0)) return result;
+  const Eigen::MatrixXd A = K + sigma * M;
   Eigen::VectorXd s(n);
-  for (Eigen::Index i = 0; i < n; ++i) s[i] = K(i, i) > 0.0 ? 1.0 / std::sqrt(K(i, i)) : 1.0;
-  Eigen::MatrixXd K_c = s.asDiagonal() * K * s.asDiagonal(), M_c = s.asDiagonal() * M * s.asDiagonal();
+  for (Eigen::Index i = 0; i < n; ++i) s[i] = A(i, i) > 0.0 ? 1.0 / std::sqrt(A(i, i)) : 1.0;
+  Eigen::MatrixXd A_c = s.asDiagonal() * A * s.asDiagonal(), M_c = s.asDiagonal() * M * s.asDiagonal();
   Eigen::MatrixXd Z;  // basis of the complement, orthonormal in the scaled dofs
   if (n_r > 0) {
-    const Eigen::MatrixXd R_s = s.cwiseInverse().asDiagonal() * R;
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(M_c * R_s);
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(M_c * (s.cwiseInverse().asDiagonal() * still));
     Z = (qr.householderQ() * Eigen::MatrixXd::Identity(n, n)).rightCols(n - n_r);
-    K_c = Z.transpose() * K_c * Z;
+    A_c = Z.transpose() * A_c * Z;
     M_c = Z.transpose() * M_c * Z;
   }
-  K_c = 0.5 * (K_c + K_c.transpose()).eval();
+  A_c = 0.5 * (A_c + A_c.transpose()).eval();
   M_c = 0.5 * (M_c + M_c.transpose()).eval();
-  if (const Eigen::MatrixXd N = without_strain(K_c, name); N.cols() > 0) {
-    const Eigen::MatrixXd mass = N.transpose() * M_c * N;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> own(mass);
-    if (!(own.eigenvalues()(0) > static_cast<double>(n) * epsilon * M_c.cwiseAbs().maxCoeff()))
-      throw std::invalid_argument(
-          fmt::format("superelement \"{}\": a motion of its interfaces has neither stiffness nor mass (a "
-                      "rotation behind a pin flag?); "
-                      "leave it out of the interface's directions and reduce again",
-                      name));
-    const Eigen::MatrixXd x = N * own.operatorInverseSqrt();
-    const Eigen::MatrixXd mechanisms = s.asDiagonal() * (n_r > 0 ? Eigen::MatrixXd(Z * x) : x);
-    Eigen::MatrixXd all(n, n_r + mechanisms.cols());
-    all << R, mechanisms;
-    Elastic rest = elastic_modes(K, M, all, name);
-    Eigen::MatrixXd joined(n, mechanisms.cols() + rest.mechanisms.cols());
-    joined << mechanisms, rest.mechanisms;
-    rest.mechanisms = std::move(joined);
-    return rest;
-  }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(M_c, K_c);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(M_c, A_c);
   if (solver.info() != Eigen::Success) {
     throw std::runtime_error(fmt::format(
         "superelement \"{}\": the eigenvalue problem did not converge; reduce the part again", name));
   }
-  const Eigen::VectorXd& mu = solver.eigenvalues();  // ascending, so frequencies descend
-  Elastic result;
-  result.mechanisms.resize(n, 0);
+  const Eigen::VectorXd& mu =
+      solver.eigenvalues();  // 1 / (omega^2 + sigma), ascending, so frequencies descend
   Eigen::Index n_modes = 0;  // massless motions have mu = 0 to round-off and no frequency
   while (n_modes < mu.size() &&
          mu[mu.size() - 1 - n_modes] > static_cast<double>(n) * epsilon * mu[mu.size() - 1])
@@ -158,10 +191,10 @@ Elastic elastic_modes(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M, const 
   result.phi.resize(n, n_modes);
   for (Eigen::Index j = 0; j < n_modes; ++j) {
     const Eigen::Index k = mu.size() - 1 - j;
-    result.omega2[j] = 1.0 / mu[k];
+    result.omega2[j] = std::max(1.0 / mu[k] - sigma, 0.0);
     Eigen::VectorXd x = n_r > 0 ? Eigen::VectorXd(Z * solver.eigenvectors().col(k))
                                 : Eigen::VectorXd(solver.eigenvectors().col(k));
-    result.phi.col(j) = s.asDiagonal() * x / std::sqrt(mu[k]);  // the solver gives x^T K x = 1
+    result.phi.col(j) = s.asDiagonal() * x / std::sqrt(mu[k]);  // the solver gives x^T A x = 1
   }
   return result;
 }
@@ -212,7 +245,7 @@ ModeAnalysis natural_modes(const Superelement& se, const std::vector<std::string
   const Eigen::MatrixXd K = se.K_se(dofs, dofs), M = se.M_se(dofs, dofs);
   const Eigen::MatrixXd R_free =
       mass_orthonormal(Eigen::MatrixXd(free_rigid_motions(R, dofs, length)(dofs, Eigen::all)), M, se.name);
-  const Elastic elastic = elastic_modes(K, M, R_free, se.name);
+  const Elastic elastic = elastic_modes(K, M, R_free, unit_sizes(se, se.K_se)(dofs), se.name);
   analysis.n_rigid = static_cast<int>(R_free.cols());
 
   const Eigen::MatrixXd M_R = se.M_se * R;
@@ -226,10 +259,9 @@ ModeAnalysis natural_modes(const Superelement& se, const std::vector<std::string
     mode.u_se(dofs) = phi;
     mode.effective_mass = (M_R.transpose() * mode.u_se).cwiseAbs2();
     const bool strains = !rigid && !mechanism;
-    mode.damping = strains ? se.modal_damping : 0.0;
-    if (strains && se.D_se.size() > 0) {
-      mode.damping += mode.u_se.dot(se.D_se * mode.u_se) / (2 * std::sqrt(omega2));
-    }
+    if (strains)
+      mode.damping = se.D_se.size() > 0 ? mode.u_se.dot(se.D_se * mode.u_se) / (2 * std::sqrt(omega2))
+                                        : se.modal_damping;
     analysis.modes.push_back(std::move(mode));
   };
   for (Eigen::Index j = 0; j < R_free.cols(); ++j) add(R_free.col(j), 0.0, true);

@@ -7,15 +7,15 @@
 ///
 /// Rigid motions are known, not searched for: of the six motions R (translations along, rotations about the
 /// axes of B through the mass centre) those that the held interfaces leave free are taken out by rank, r = 6
-/// - rank R_held, and the elastic modes are sought in their mass-orthogonal complement.  There K is positive
-/// definite, so
+/// - rank R_held, and the elastic modes are sought in their mass-orthogonal complement, by
 ///
-///     M phi = mu K phi,   mu = 1 / omega^2,   phi^T M phi = 1
+///     M phi = mu (K + sigma M) phi,   mu = 1 / (omega^2 + sigma),   phi^T M phi = 1
 ///
-/// with a Cholesky factor of K: exact count of rigid modes, no threshold on frequencies, massless dofs
-/// allowed.
+/// with a Cholesky factor of K + sigma M: exact count of rigid modes, no threshold on frequencies, massless dofs
+/// allowed.  With sigma amid the omega^2 the lowest and the highest are known alike, to round-off times the ratio of their
+/// frequencies.
 ///
-/// A body that hinges within itself has more motions without strain.  They are the eigenvectors of K in that complement whose
+/// A body that hinges within itself has more motions without strain.  They are the eigenvectors of K beside the rigid motions whose
 /// eigenvalues, with K scaled to a unit diagonal, are round-off (below 1e-10, and 1e4 below the next): mechanisms, which come between the rigid and
 /// the elastic modes with omega = 0.
 ///
@@ -34,7 +34,7 @@ struct Mode {
   bool mechanism = false;  ///< strains nothing, and is no motion of the whole body
   double omega2 = 0.0;     ///< [rad^2/s^2]; 0 for a rigid mode and a mechanism
   double frequency_hz = 0.0;
-  double damping = 0.0;  ///< ratio to critical: modal_damping + phi^T D_se phi / (2 omega)
+  double damping = 0.0;  ///< ratio to critical: phi^T D_se phi / (2 omega), or modal_damping without D_se
   Eigen::Matrix<double, 6, 1> effective_mass;  ///< [kg] along x, y, z, [kg m^2] about x, y, z
   Eigen::VectorXd u_se;                        ///< n, phi^T M_se phi = 1
 };

@@ -12,6 +12,8 @@ Eigen::MatrixXd interface_motion(const Superelement& se, const Interface& interf
     rows(static_cast<int>(interface.directions[k]), interface.first_dof + static_cast<int>(k)) = 1.0;
   for (std::size_t k = 0; k < interface.following.size(); ++k)
     rows.row(static_cast<int>(interface.following[k])) = interface.follow.row(static_cast<Eigen::Index>(k));
+  for (std::size_t k = 0; k < interface.free.size(); ++k)
+    rows.row(static_cast<int>(interface.free[k])) = interface.free_motion.row(static_cast<Eigen::Index>(k));
   return rows;
 }
 

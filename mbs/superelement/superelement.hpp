@@ -33,9 +33,13 @@ struct Interface {
       directions;     ///< retained directions, usually all six; displacement [m], rotation [rad]
   int first_dof = 0;  ///< column of directions[0] in the matrices
   /// Directions that move but are no coordinates, as the shapes of a body of few modes do not move them independently of the
-  /// others: (u, theta)(following[k]) = follow.row(k) u_se.
+  /// others: (u, theta)(following[k]) = follow.row(k) u_se.  They are held where the others are.
   std::vector<Direction> following = {};
   Eigen::MatrixXd follow = {};  ///< following.size() x n
+  /// Directions that the interface does not keep: the deformation of the part moves them, (u, theta)(free[k]) = free_motion.row(k)
+  /// u_se, whatever the interface does.
+  std::vector<Direction> free = {};
+  Eigen::MatrixXd free_motion = {};  ///< free.size() x n
 };
 
 /// Integrals over the undeformed body of products of position x and shapes phi, taken from the consistent
@@ -135,7 +139,7 @@ struct Superelement {
   Eigen::MatrixXd M_se;        ///< n x n
   Eigen::MatrixXd D_se;        ///< n x n, or empty
   Eigen::VectorXd omega2;      ///< n_q [rad^2/s^2], eigenvalues of the fixed-interface problem
-  double modal_damping = 0.0;  ///< default damping ratio for the body's modes
+  double modal_damping = 0.0;  ///< ratio of the body's modes where there is no D_se
   InertiaIntegrals inertia;
 
   std::optional<StiffeningTerms> stiffening;
@@ -149,7 +153,7 @@ struct Superelement {
   Eigen::MatrixXf shapes;  ///< 3 n_v x n: rows x, y, z of vertex 0, then vertex 1, ...
 };
 
-/// (u, theta) of an interface node by the coordinates u_se: 6 x n.  Rows of directions that it does not keep are zero.
+/// (u, theta) of an interface node by the coordinates u_se: 6 x n.  Rows of directions of which nothing is known are zero.
 Eigen::MatrixXd interface_motion(const Superelement& se, const Interface& interface);
 
 /// The six rigid motions (translations along and rotations about the axes of B, at Bo) in the n coordinates:

@@ -28,8 +28,7 @@ namespace {
 // unit gone wrong changes the first three digits. 1e-6 lies between.
 constexpr double mass_tolerance = 1e-6;
 
-// Symmetry and strain-free rigid motion are compared with the largest diagonal stiffness of the same kind
-// (translation, rotation). K_bb of the tied faces exceeds the body's own stiffness by length over element
+// Symmetry and strain-free rigid motion are compared with the largest diagonal stiffness of the same unit (unit_sizes()). K_bb of the tied faces exceeds the body's own stiffness by length over element
 // size, so round-off is at most 1e-12 of that scale; a wrong row shows at full size.
 constexpr double stiffness_tolerance = 1e-8;
 
@@ -84,36 +83,41 @@ class Check {
     }
   }
 
-  // Rows of directions that follow: of their size, and true to rigid motions.
+  // Rows of directions that are no dofs: of their size, and true to rigid motions.
   void following() const {
-    const Eigen::MatrixXd R = rigid_motions_about(se_, middle());
     for (const Interface& interface : se_.interfaces) {
-      const auto rows = static_cast<Eigen::Index>(interface.following.size());
-      if (rows == 0 && interface.follow.size() == 0) continue;
-      sized_and_finite(("follow of " + interface.name).c_str(), interface.follow, rows, se_.n());
       std::set<Direction> seen(interface.directions.begin(), interface.directions.end());
-      Interface whole;
-      whole.name = interface.name;
-      whole.p_BoN_B = interface.p_BoN_B;
-      for (const Direction d : interface.following) {
-        if (static_cast<int>(d) > 5 || !seen.insert(d).second)
-          refuse(fmt::format("a direction of interface \"{}\" is given twice", interface.name));
-        whole.directions.push_back(d);
-      }
-      Superelement alone;
-      alone.n_b = static_cast<int>(rows);
-      alone.interfaces = {whole};
-      const Eigen::MatrixXd own = rigid_motions_about(alone, middle());
-      // Each term of the sum is known to mass_tolerance, as rigid motions are known to M_se.
-      const Eigen::MatrixXd apart = interface.follow * R - own,
-                            terms = interface.follow.cwiseAbs() * R.cwiseAbs() + own.cwiseAbs();
-      for (Eigen::Index k = 0; k < rows; ++k)
-        for (int c = 0; c < 6; ++c)
-          if (std::abs(apart(k, c)) > mass_tolerance * terms.row(k).maxCoeff())
-            refuse(fmt::format(
-                "a direction of interface \"{}\" that follows does not follow rigid motions: off by {:.2g}",
-                interface.name, apart(k, c)));
+      rows_move_rigidly(interface, "follows", interface.following, interface.follow, seen);
+      rows_move_rigidly(interface, "is free", interface.free, interface.free_motion, seen);
     }
+  }
+
+  void rows_move_rigidly(const Interface& interface, const char* how,
+                         const std::vector<Direction>& directions, const Eigen::MatrixXd& rows,
+                         std::set<Direction>& seen) const {
+    const auto count = static_cast<Eigen::Index>(directions.size());
+    if (count == 0 && rows.size() == 0) return;
+    sized_and_finite(fmt::format("motion of {} that {}", interface.name, how).c_str(), rows, count, se_.n());
+    Interface whole;
+    whole.name = interface.name;
+    whole.p_BoN_B = interface.p_BoN_B;
+    for (const Direction d : directions) {
+      if (static_cast<int>(d) > 5 || !seen.insert(d).second)
+        refuse(fmt::format("a direction of interface \"{}\" is given twice", interface.name));
+      whole.directions.push_back(d);
+    }
+    Superelement alone;
+    alone.n_b = static_cast<int>(count);
+    alone.interfaces = {whole};
+    const Eigen::MatrixXd R = rigid_motions_about(se_, middle()), own = rigid_motions_about(alone, middle());
+    // Each term of the sum is known to mass_tolerance, as rigid motions are known to M_se.
+    const Eigen::MatrixXd apart = rows * R - own, terms = rows.cwiseAbs() * R.cwiseAbs() + own.cwiseAbs();
+    for (Eigen::Index k = 0; k < count; ++k)
+      for (int c = 0; c < 6; ++c)
+        if (std::abs(apart(k, c)) > mass_tolerance * terms.row(k).maxCoeff())
+          refuse(fmt::format(
+              "a direction of interface \"{}\" that {} does not follow rigid motions: off by {:.2g}",
+              interface.name, how, apart(k, c)));
   }
 
   template <typename Matrix>
@@ -135,7 +139,7 @@ class Check {
 
   // |A_ij - A_ji| against sqrt(s_i s_j), where s is the largest diagonal entry of the dof's kind.
   void symmetric(const char* name, const Eigen::MatrixXd& A) const {
-    const Eigen::VectorXd scale = kind_scale(A);
+    const Eigen::VectorXd scale = unit_sizes(se_, A).cwiseSqrt();
     for (Eigen::Index j = 0; j < A.cols(); ++j) {
       // Three points in a plane hold nothing across it: zero stiffness comes out of a solve with either sign.
       if (A(j, j) < -stiffness_tolerance * scale[j] * scale[j])
@@ -150,7 +154,7 @@ class Check {
 
   void rigid_motions_are_strain_free() const {
     const Eigen::MatrixXd R = rigid_motions_about(se_, middle());
-    const Eigen::VectorXd scale = kind_scale(se_.K_se);
+    const Eigen::VectorXd scale = unit_sizes(se_, se_.K_se).cwiseSqrt();
     static const char* const motion[] = {"translation along x", "translation along y", "translation along z",
                                          "rotation about x",    "rotation about y",    "rotation about z"};
     for (int c = 0; c < 6; ++c) {
@@ -327,27 +331,6 @@ class Check {
   }
 
  private:
-  // The square root of the largest diagonal entry among the dofs of the same unit: translations, rotations,
-  // modes.
-  Eigen::VectorXd kind_scale(const Eigen::MatrixXd& A) const {
-    std::vector<int> kind(static_cast<std::size_t>(se_.n()), 2);
-    for (const Interface& interface : se_.interfaces) {
-      for (std::size_t i = 0; i < interface.directions.size(); ++i) {
-        kind[static_cast<std::size_t>(interface.first_dof) + i] =
-            interface.directions[i] < Direction::theta_x ? 0 : 1;
-      }
-    }
-    double largest[3] = {0.0, 0.0, 0.0};
-    for (Eigen::Index i = 0; i < A.rows(); ++i) {
-      double& l = largest[kind[static_cast<std::size_t>(i)]];
-      l = std::max(l, std::abs(A(i, i)));
-    }
-    Eigen::VectorXd scale(A.rows());
-    for (Eigen::Index i = 0; i < A.rows(); ++i)
-      scale[i] = std::sqrt(largest[kind[static_cast<std::size_t>(i)]]);
-    return scale;
-  }
-
   Eigen::Vector3d middle() const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const Interface& interface : se_.interfaces) sum += interface.p_BoN_B;

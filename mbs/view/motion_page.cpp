@@ -60,7 +60,7 @@ std::vector<T> gather(const Matrix& m, const std::vector<Eigen::Index>& rows) {
 json frames_json(const Superelement& se, const Eigen::MatrixXd& basis) {
   json frames = json::array();
   for (const superelement::Interface& interface : se.interfaces) {
-    if (interface.directions.size() + interface.following.size() != 6) continue;
+    if (interface.directions.size() + interface.following.size() + interface.free.size() != 6) continue;
     const Eigen::MatrixXd columns = superelement::interface_motion(se, interface) * basis;
     json motion = json::array();
     for (Eigen::Index j = 0; j < columns.cols(); ++j)

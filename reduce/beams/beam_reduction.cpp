@@ -2,12 +2,15 @@
 #include "reduce/beams/beam_reduction.hpp"
 
 #include <algorithm>
+#include <array>
+#include <numeric>
 #include <stdexcept>
 
 #include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/rigid_projection.hpp"
 #include "reduce/beams/beam_stiffening.hpp"
 #include "reduce/cms/errors/mode_choice.hpp"
+#include "reduce/cms/shapes/free_directions.hpp"
 #include "reduce/cms/shapes/response_modes.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
@@ -46,12 +49,12 @@ RigidMotions rigid_motions(const beam::BeamMesh& mesh, const Numbering& numberin
 std::optional<BeamInterface> body_interface(const Structure& structure,
                                             const std::vector<BeamInterface>& interfaces) {
   const std::vector<beam::Node>& nodes = structure.mesh().model().nodes;
-  std::vector<char> taken(nodes.size(), 0);
+  std::vector<std::array<char, 6>> taken(nodes.size());
   std::string name = "body";
   MatrixXd H(0, 6);
   for (const BeamInterface& interface : interfaces) {
     if (interface.node < 0 || interface.node >= static_cast<int>(nodes.size())) return {};
-    taken[interface.node] = 1;
+    for (const int d : interface.directions) taken[interface.node][d] = 1;
     if (interface.name == name) name = "whole_body";
     H.conservativeResize(H.rows() + static_cast<Index>(interface.directions.size()), 6);
     H.bottomRows(static_cast<Index>(interface.directions.size())) =
@@ -70,14 +73,19 @@ std::optional<BeamInterface> body_interface(const Structure& structure,
   middle /= n_used;
   const double length = high != low ? 0.5 * (high - low).norm() : 1.0;
   if (H.rows() > 0 && free_motions(H, 0.5 * (low + high), length).cols() == 0) return {};
+  // A node that is no interface; else one that has directions left.
   int best = -1;
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    if (taken[k] || !structure.used()[6 * k]) continue;
-    const auto away = [&](int node) { return (structure.mesh().points()[node] - middle).norm(); };
-    if (best < 0 || away(static_cast<int>(k)) < away(best)) best = static_cast<int>(k);
-  }
+  const auto kept = [&](int node) { return std::accumulate(taken[node].begin(), taken[node].end(), 0); };
+  const auto away = [&](int node) {
+    return std::pair(kept(node) > 0, (structure.mesh().points()[node] - middle).norm());
+  };
+  for (int k = 0; k < static_cast<int>(nodes.size()); ++k)
+    if (kept(k) < 6 && structure.used()[6 * k] && (best < 0 || away(k) < away(best))) best = k;
   if (best < 0) return {};
-  return BeamInterface{name, best};
+  BeamInterface body{name, best, {}};
+  for (int d = 0; d < 6; ++d)
+    if (!taken[best][d]) body.directions.push_back(d);
+  return body;
 }
 
 BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInterface>& interfaces,
@@ -112,9 +120,8 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
 
   linalg::EigenPairs pairs;
   pairs.Phi.resize(n_i, 0);
-  const bool preloaded =
-      n_i > 0 && std::ranges::any_of(cases, [](const LoadCase& c) { return !c.preloads.empty(); });
-  if (options.n_modes > 0 || options.omega_max > 0.0 || preloaded) {
+  const bool preloaded = std::ranges::any_of(cases, [](const LoadCase& c) { return !c.preloads.empty(); });
+  if (n_i > 0 && (options.n_modes > 0 || options.omega_max > 0.0 || preloaded)) {
     bool massless = true;
     for (int i = 0; i < n_i && massless; ++i) massless = !(M.ii->diagonal(i) > 0.0);
     if (massless)
@@ -198,9 +205,10 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
   reduction.n_q = static_cast<int>(n_q);
   int first = 0;
   for (const BeamInterface& interface : interfaces) {
-    reduction.interfaces.push_back(
-        {interface.name, Tie::node, mesh.points()[interface.node], interface.directions, first});
+    ReducedInterface& out = reduction.interfaces.emplace_back(ReducedInterface{
+        interface.name, Tie::node, mesh.points()[interface.node], interface.directions, first});
     first += static_cast<int>(interface.directions.size());
+    set_free_motion(out, T.middleRows<6>(6 * interface.node), rigid.R_b);
   }
 
   reduction.shapes = structure.shapes(T);
@@ -211,7 +219,7 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
     reduction.stiffening = beam_stiffening_terms(structure, interfaces, T, cases);
     report.seconds_stiffening = watch.lap();
   }
-  if (options.estimate_error) {
+  if (options.estimate_error && n_i > 0) {
     MatrixXd M_Psi;
     M.ii->multiply(Psi, M_Psi);
     const MatrixXd Mhat = M.ib + M_Psi;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <set>
 #include <stdexcept>
 
 namespace flexura::reduce {
@@ -18,22 +17,25 @@ Numbering::Numbering(const Structure& structure, const std::vector<BeamInterface
     throw std::invalid_argument("the beam part has no interface; name at least one node as an interface");
   code.assign(structure.n_dofs(), kUnused);
   const int n_nodes = mesh.n_dofs() / 6;
-  std::set<int> taken;
   for (const BeamInterface& interface : interfaces) {
     if (interface.node < 0 || interface.node >= static_cast<int>(mesh.model().nodes.size()) ||
         !structure.used()[6 * interface.node])
       throw std::invalid_argument(
           fmt::format("interface \"{}\": there is no node number {} with a member or solid", interface.name,
                       interface.node));
-    if (!taken.insert(interface.node).second)
-      throw std::invalid_argument(fmt::format("interface \"{}\": node \"{}\" is an interface already",
-                                              interface.name, mesh.model().nodes[interface.node].name));
     if (interface.directions.empty() ||
         !std::is_sorted(interface.directions.begin(), interface.directions.end()) ||
         interface.directions.front() < 0 || interface.directions.back() > 5)
       throw std::invalid_argument(
           fmt::format("interface \"{}\": its directions must be some of 0 to 5, ascending", interface.name));
-    for (const int direction : interface.directions) code[6 * interface.node + direction] = -(++n_b);
+    for (const int direction : interface.directions) {
+      int& code_here = code[6 * interface.node + direction];
+      if (code_here != kUnused)
+        throw std::invalid_argument(
+            fmt::format("interface \"{}\": node \"{}\" is an interface already in this direction ({})",
+                        interface.name, mesh.model().nodes[interface.node].name, direction));
+      code_here = -(++n_b);
+    }
   }
   group_begin.push_back(0);
   for (int node = 0; node < n_nodes; ++node) {
@@ -50,10 +52,6 @@ Numbering::Numbering(const Structure& structure, const std::vector<BeamInterface
     dof_of.push_back(mode);
     group_begin.push_back(n_i);
   }
-  if (n_i == 0)
-    throw std::invalid_argument(
-        "every node of the beam part is an interface, which leaves nothing to reduce; divide the members "
-        "into elements");
 }
 
 SplitMatrix::SplitMatrix(const beam::SparseMatrix& A, const Numbering& numbering) {

@@ -28,7 +28,7 @@ struct Numbering {
   std::vector<int> group_begin;  ///< of interior dofs, by nodes
   int n_i = 0, n_b = 0;
 
-  /// Throws std::invalid_argument for interfaces that cannot be, and where nothing is left inside.
+  /// Throws std::invalid_argument for interfaces that cannot be.
   Numbering(const Structure& structure, const std::vector<BeamInterface>& interfaces);
 };
 

@@ -11,6 +11,7 @@
 
 #include "reduce/assembly/input/average.hpp"
 #include "reduce/assembly/input/rigid_motion.hpp"
+#include "reduce/cms/shapes/free_directions.hpp"
 #include "reduce/cms/shapes/shape_change.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 
@@ -50,9 +51,9 @@ linalg::SymmetricMatrix scalar_mass(const NodalMatrices& given, int n_nodes) {
   return m;
 }
 
-// Motion (u, theta) of the interface's node in each vector, rows of its directions.
-MatrixXd interface_rows(const Part& part, const InterfaceSpec& spec, const MatrixXd& W) {
-  if (spec.directions.empty()) return MatrixXd(0, W.cols());  // a rigid piece of the part
+// Motion (u, theta) of the interface's node in each vector; zero where a single node has no rotation.
+MatrixXd interface_motion(const Part& part, const InterfaceSpec& spec, const MatrixXd& W) {
+  if (spec.directions.empty()) return MatrixXd::Zero(6, W.cols());  // a rigid piece of the part
   const std::vector<mesh::Index>& nodes = spec.set.nodes;
   MatrixXd set(3 * static_cast<Index>(nodes.size()), W.cols());
   for (std::size_t a = 0; a < nodes.size(); ++a)
@@ -61,7 +62,9 @@ MatrixXd interface_rows(const Part& part, const InterfaceSpec& spec, const Matri
     if (nodes.size() != 1 || spec.directions.back() > 2)
       throw std::invalid_argument(fmt::format(
           "interface '{}' is tied as a node: it takes a single node and displacements only", spec.name));
-    return set(spec.directions, Eigen::all);
+    MatrixXd motion = MatrixXd::Zero(6, W.cols());
+    motion.topRows<3>() = set;
+    return motion;
   }
   const MatrixXd motion = averaging_map(part.mesh, spec) * set;
   if (spec.tie == Tie::rigid) {
@@ -76,7 +79,7 @@ MatrixXd interface_rows(const Part& part, const InterfaceSpec& spec, const Matri
           "they were computed: tie it as an average",
           spec.name, share));
   }
-  return motion(spec.directions, Eigen::all);
+  return motion;
 }
 
 // K must be that of the vectors: what is left of it when they are written in the new basis.
@@ -150,13 +153,15 @@ Reduction reduce_finished_modes(const Part& part, const FinishedModes& modes,
         spec.tie == Tie::node ? Eigen::Vector3d(part.mesh.points.row(spec.set.nodes.at(0))) : spec.point;
     InterfaceSpec used = spec;
     used.point = point;
-    const MatrixXd rows = interface_rows(part, used, W);
+    const MatrixXd motion = interface_motion(part, used, W), rows = motion(spec.directions, Eigen::all);
     const Index first = B.rows();
     B.conservativeResize(first + rows.rows(), Eigen::NoChange);
     B.bottomRows(rows.rows()) = rows;
     R_b.conservativeResize(first + rows.rows(), Eigen::NoChange);
     R_b.bottomRows(rows.rows()) = node_motion_at(point)(spec.directions, Eigen::all);
     r.interfaces.push_back({spec.name, spec.tie, point, spec.directions, static_cast<int>(first)});
+    // The first six vectors are the rigid motions.
+    set_free_motion(r.interfaces.back(), motion, MatrixXd::Identity(6, 6));
   }
   require_held(R_b, part.mesh.points);
   B.leftCols(6) = R_b;

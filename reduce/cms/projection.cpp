@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "reduce/assembly/input/average.hpp"
+#include "reduce/cms/shapes/free_directions.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 #include "reduce/recovery/part_near.hpp"
 #include "reduce/recovery/stress.hpp"
@@ -42,6 +44,24 @@ void sum_up(const TiedModel& model, InertiaIntegrals& s) {
   for (MatrixXd& S : s.S_phiphi) S = model.sum(std::move(S));
 }
 
+// (u, theta) of an interface's node by the shapes: 6 x n on rank 0.  Where its own dofs are not at hand, from its nodes' displacements.
+MatrixXd motion_by_shapes(const Part& whole, const TiedModel& model, const Basis& basis, const MatrixXd& T,
+                          int k) {
+  const Index n = T.cols(), n_b = model.n_b(), n_phi = basis.Phi.cols(),
+              n_dofs = model.share() ? 0 : n_b + n_phi;
+  MatrixXd motion(6, n);
+  if (n_dofs > 0) {
+    motion.leftCols(n_b) = model.motions().interface_motion(k, basis.U_b, MatrixXd::Identity(n_b, n_b));
+    motion.middleCols(n_b, n_phi) =
+        model.motions().interface_motion(k, basis.Phi, MatrixXd::Zero(n_b, n_phi));
+  }
+  if (n_dofs == n) return motion;
+  const InterfaceSpec& spec = whole.interfaces[static_cast<std::size_t>(k)];
+  const MatrixXd at_nodes = model.at_nodes(T.rightCols(n - n_dofs), spec.set.nodes);
+  if (model.leads()) motion.rightCols(n - n_dofs) = averaging_map(whole.mesh, spec) * at_nodes;
+  return motion;
+}
+
 }  // namespace
 
 MatrixXd shapes_on_nodes(const TiedModel& model, const Basis& basis, const InterfaceModes& faces) {
@@ -77,10 +97,15 @@ void project(const Part& whole, const Part& part, const TiedModel& model, const 
   reduction.omega2 = basis.omega2;
   reduction.n_b = static_cast<int>(n_b);
   reduction.n_q = static_cast<int>(n_phi + n_w);
-  for (int k = 0; k < model.n_interfaces(); ++k)
+  for (int k = 0; k < model.n_interfaces(); ++k) {
     reduction.interfaces.push_back({part.interfaces[k].name, whole.interfaces[k].tie,
                                     model.numbering().point(k), model.numbering().directions(k),
                                     model.numbering().first_dof(k)});
+    if (model.numbering().directions(k).size() == 6) continue;
+    const MatrixXd motion = motion_by_shapes(whole, model, basis, T, k);
+    if (model.leads())
+      set_free_motion(reduction.interfaces.back(), motion, rigid_boundary(model.numbering()));
+  }
   reduction.shapes.resize(model.leads() ? 3 * static_cast<Index>(options.shape_nodes.size()) : 0, n);
   constexpr Index kColumns = 32;
   for (Index first = 0; first < n; first += kColumns) {

@@ -129,7 +129,6 @@ Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
                                 ": has no modes; a body that does not deform needs no superelement, "
                                 "only its mass and inertia in the mechanism");
   std::vector<std::string> notes, warnings;
-  const bool is_foreign = !data.body;
   if (data.body) {
     if (input.mass || input.centre || input.inertia)
       throw input::InputError(input.where + ": " + input.file.string() +
@@ -171,21 +170,21 @@ Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
   }
   r.n_b = static_cast<int>(B.rows());
   Eigen::VectorXd damping = Eigen::VectorXd::Zero(6 + m);
+  bool differs = false;
   for (Index j = 0; j < m; ++j) {
     const FlexData::ModeLine& mode = data.modes[static_cast<std::size_t>(j)];
     r.K_se(6 + j, 6 + j) = mode.eigenvalue;
-    damping(6 + j) = 2.0 * (mode.damping - body.modal_damping) * std::sqrt(mode.eigenvalue);
+    damping(6 + j) = 2.0 * mode.damping * std::sqrt(mode.eigenvalue);
+    differs = differs || std::abs(mode.damping - body.modal_damping) > 1e-9 * mode.damping;
     // Printed digits of the shapes.
     if (std::abs(r.M_se(6 + j, 6 + j) - 1.0) > 1e-6)
       throw std::invalid_argument(fmt::format("{}: mode {} has the modal mass {:g}, 1 is wanted",
                                               input.file.string(), mode.id, r.M_se(6 + j, 6 + j)));
   }
-  // Alike but for printed digits, it is the body's default.
-  const double size = std::sqrt(r.K_se.maxCoeff());
-  if (damping.cwiseAbs().maxCoeff() > 1e-9 * size) r.D_se = damping.asDiagonal();
+  // Alike but for printed digits, it is the body's ratio.
+  if (differs) r.D_se = damping.asDiagonal();
   r.shapes = places.cast<float>();
-  // Other programs print eight digits: what differs in the last two is not known to move by itself.
-  const std::vector<int> own = independent_dofs(r.M_se, B, is_foreign ? 1e-6 : kSameMotion);
+  const std::vector<int> own = independent_dofs(r.M_se, B);
   const std::vector<std::string> following = let_others_follow(r, B, own);
   if (!following.empty())
     notes.push_back(fmt::format(

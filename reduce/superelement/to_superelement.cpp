@@ -96,6 +96,8 @@ superelement::Superelement to_superelement(const PartInput& input, Reduction&& r
     to.first_dof = from.first_dof;
     for (const int d : from.following) to.following.push_back(static_cast<superelement::Direction>(d));
     to.follow = from.follow;
+    for (const int d : from.free) to.free.push_back(static_cast<superelement::Direction>(d));
+    to.free_motion = from.free_motion;
     se.interfaces.push_back(std::move(to));
   }
   se.n_b = reduction.n_b;

@@ -2,6 +2,7 @@
 #include "mbs/file/bodies/read_flexible_body.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -71,6 +72,37 @@ std::string cannot_hold(const MechanismDescription& d, const JointDescription& j
   return "";
 }
 
+/// Loads where an interface does not keep the direction: the reduction has no constraint mode for them.
+void note_free_directions(const superelement::Superelement& se, const BodyNodes& nodes,
+                          const MechanismDescription& d, int body, std::vector<std::string>& notes) {
+  static constexpr const char* kNames[] = {"u_x", "u_y", "u_z", "theta_x", "theta_y", "theta_z"};
+  for (const int node : loaded_nodes(d, body)) {
+    if (node >= static_cast<int>(se.interfaces.size())) continue;
+    const superelement::Interface& interface = se.interfaces[static_cast<std::size_t>(node)];
+    const std::array<bool, 6> loaded = loaded_directions(nodes, d, body, node);
+    std::vector<std::string> by_modes, not_at_all;
+    for (int k = 0; k < 6; ++k) {
+      const auto direction = static_cast<superelement::Direction>(k);
+      const auto has = [&](const std::vector<superelement::Direction>& list) {
+        return std::ranges::find(list, direction) != list.end();
+      };
+      if (!loaded[static_cast<std::size_t>(k)] || has(interface.directions) || has(interface.following))
+        continue;
+      (has(interface.free) ? by_modes : not_at_all).push_back(kNames[k]);
+    }
+    const auto tell = [&](const std::vector<std::string>& directions, const char* how) {
+      if (directions.empty()) return;
+      notes.push_back(
+          fmt::format("body \"{}\": what acts on interface \"{}\" may load it along {}, which it does not "
+                      "keep: {}; keep all six "
+                      "directions and reduce again where there is load",
+                      d.bodies[body].name, interface.name, fmt::join(directions, ", "), how));
+    };
+    tell(by_modes, "there the part gives way by its kept modes alone, too little");
+    tell(not_at_all, "there the part does not give way at all");
+  }
+}
+
 }  // namespace
 
 std::vector<input::Key> flexible_body_keys() {
@@ -114,11 +146,12 @@ std::vector<input::Key> flexible_body_keys() {
           "boundary", {"free", "joint"},
           "eigenmodes of the free body, or held as that joint holds it; without it joint for a joint_fixed "
           "frame (modes of a frame held by the joints are held there)"),
-      quantity(
-          "damping", dim::none,
-          "damping ratio of all modes of the body, free ones in the default frame: vibrations that a joint "
-          "slows down have less of it (frame = \"joint_fixed\" takes the modes that the joint leaves); "
-          "without any law the superelement's")
+      quantity("damping", dim::none,
+               "damping ratio of the body's eigenmodes under their `boundary`, and of its response modes: "
+               "where the joints "
+               "leave other modes than that, these have other ratios (`flexura eigen` prints both); without "
+               "any law the "
+               "superelement's")
           .at_least(0.0),
       quantities("damping_by_mode", dim::none, "ratios of mode 1, 2, ...; the last one also of all above"),
       quantities("damping_frequencies", dim::frequency, "of a table of damping ratios, linear between"),
@@ -126,10 +159,8 @@ std::vector<input::Key> flexible_body_keys() {
       quantity("rayleigh_alpha", dim::frequency, "Rayleigh damping alpha M + beta K: alpha [1/s]")
           .at_least(0.0),
       quantity("rayleigh_beta", dim::time, "beta [s]").at_least(0.0),
-      quantity(
-          "critical_above", dim::frequency,
-          "modes from here on are damped critically: they follow their loads without ringing; without it "
-          "the response modes above the eigenmodes")
+      quantity("critical_above", dim::frequency,
+               "modes from here on are damped critically: they follow their loads without ringing")
           .above(0.0),
       flag("stress", "von Mises stress on the surface at every output step; needs stress modes")
           .or_default("false"),
@@ -224,6 +255,7 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
   if (options.stiffening && options.coupling != Coupling::full)
     s.refuse("coupling", "geometric stiffening needs all inertia coupling",
              "write coupling = \"full\" or fidelity = \"modal\"");
+  note_free_directions(se, nodes, d, body, notes);
   if (options.stiffening)
     for (const int node : loaded_nodes(d, body))
       if (!nodes[node].is_on_interfaces)
@@ -370,10 +402,6 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
   std::shared_ptr<const FlexibleBody> flexible;
   try {
     ModalData data = modal_data(se, options, &report, &cache);
-    if (report.responses > 0 && !s.has("critical_above") && !fidelity.by_loads_alone) {
-      options.damping_law.critical_above = report.eigen_hz.back() * (1.0 + 1e-6);
-      data.damping = modal_damping(options.damping_law, data.stiffness, data.damping);
-    }
     flexible = fidelity.make(std::move(data));
   } catch (const BasisError& error) {
     throw input::InputError(s.where(s.has(error.key()) ? error.key() : "superelement") + ": " + error.what());

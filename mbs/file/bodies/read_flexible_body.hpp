@@ -17,8 +17,7 @@
 /// Fidelities: fidelities.cpp.
 ///
 /// Where eigenmodes are dropped, `attachments` adds response modes for the interfaces that joints,
-/// constraints or forces act on.  Their own frequencies say nothing about the body, so they are damped
-/// critically unless the file gives `critical_above`.
+/// constraints or forces act on.
 namespace flexura::mbs {
 
 /// Keys of a body that hold for superelements.

@@ -10,7 +10,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-BodyAlone::BodyAlone(const FullModel& full, const ModalBlock& block, MatrixXd S, VectorXd extra_damping)
+BodyAlone::BodyAlone(const FullModel& full, const ModalBlock& block, MatrixXd S, MatrixXd extra_damping)
     : n_v_(full.mechanism().sizes().n_v),
       v_(block.v),
       m_(block.m),
@@ -48,7 +48,7 @@ void BodyAlone::project(const LinearisedRow& row, LinearisedRow& small) const {
   project(row.Z_c.transpose(), transposed);
   small.Z_c = transposed.transpose();
   small.C_c = row.C_c;
-  small.D.diagonal().tail(extra_damping_.size()) += extra_damping_;
+  if (extra_damping_.size() > 0) small.D.bottomRightCorner(S_.cols(), S_.cols()) += extra_damping_;
   small.number = row.number;
 }
 

@@ -15,8 +15,8 @@ namespace flexura::study {
 /// basis of its size was most of what screening five bodies took.
 class BodyAlone {
  public:
-  /// S: m x k, deformations of the block by its free modes; `extra_damping` [1/s] of the last of them, beside the body's.
-  BodyAlone(const FullModel& full, const ModalBlock& block, Eigen::MatrixXd S, Eigen::VectorXd extra_damping);
+  /// S: m x k, deformations of the block by its free modes; `extra_damping` [1/s] of them (k x k), beside the body's; empty: none.
+  BodyAlone(const FullModel& full, const ModalBlock& block, Eigen::MatrixXd S, Eigen::MatrixXd extra_damping);
 
   Eigen::Index n() const { return static_cast<Eigen::Index>(joint_.size()) + S_.cols(); }
 
@@ -34,8 +34,7 @@ class BodyAlone {
 
   std::vector<Eigen::Index> joint_;  // coordinates in v
   Eigen::Index n_v_, v_, m_;
-  Eigen::MatrixXd S_;
-  Eigen::VectorXd extra_damping_;
+  Eigen::MatrixXd S_, extra_damping_;
 };
 
 }  // namespace flexura::study

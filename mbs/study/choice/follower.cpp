@@ -21,21 +21,21 @@ const VectorXd& stiffness_of(const FullModel& full, const ModalBlock& block) {
   return modal_of(full, block).stiffness;
 }
 
-const VectorXd& damping_of(const FullModel& full, const ModalBlock& block) {
-  return modal_of(full, block).damping;
+MatrixXd damping_of(const FullModel& full, const ModalBlock& block) {
+  return modal_of(full, block).damping_matrix();
 }
 
 Follower::Follower(FullModel& full, const std::vector<ScreenedRow>& rows, std::size_t every,
                    const std::vector<int>& outputs, const ModalBlock& block, const MatrixXd& S,
-                   const VectorXd& extra_damping)
+                   const MatrixXd& extra_damping)
     : full_(full),
       rows_(rows),
       every_(every),
       outputs_(outputs),
       alone_(full, block, S, extra_damping),
       correction_(alone_.n(), 1) {
-  VectorXd own_damping = (S.transpose() * damping_of(full_, block).asDiagonal() * S).diagonal();
-  own_damping.tail(extra_damping.size()) += extra_damping;
+  VectorXd own_damping = (S.transpose() * damping_of(full_, block) * S).diagonal();
+  if (extra_damping.size() > 0) own_damping += extra_damping.diagonal();
   transients_.add((S.transpose() * stiffness_of(full_, block).asDiagonal() * S).diagonal(), own_damping);
 }
 

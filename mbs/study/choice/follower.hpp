@@ -26,10 +26,10 @@ struct ScreenedRow {
 /// further than it is asked.  Rows, full model and outputs outlive it.
 class Follower {
  public:
-  /// Of the rows one in `every`; `extra_damping` [1/s] of the last columns of S beside the superelement's own.
+  /// Of the rows one in `every`; `extra_damping` [1/s] (k x k or empty) of the columns of S beside the superelement's own.
   Follower(FullModel& full, const std::vector<ScreenedRow>& rows, std::size_t every,
            const std::vector<int>& outputs, const ModalBlock& block, const Eigen::MatrixXd& S,
-           const Eigen::VectorXd& extra_damping);
+           const Eigen::MatrixXd& extra_damping);
 
   /// To the next row, and the outputs there unless y is null; false behind the last.
   bool next(Eigen::VectorXd* y);
@@ -64,8 +64,8 @@ class WholeBody {
   std::vector<Eigen::VectorXd> known_;
 };
 
-/// Stiffness and damping of the block's deformations [1/s^2, 1/s].
+/// Stiffness (m) and damping (m x m) of the block's deformations [1/s^2, 1/s].
 const Eigen::VectorXd& stiffness_of(const FullModel& full, const ModalBlock& block);
-const Eigen::VectorXd& damping_of(const FullModel& full, const ModalBlock& block);
+Eigen::MatrixXd damping_of(const FullModel& full, const ModalBlock& block);
 
 }  // namespace flexura::study

@@ -35,9 +35,8 @@ double hz(double omega2) {
   return std::sqrt(std::max(omega2, 0.0)) / (2.0 * std::numbers::pi);
 }
 
-// Response modes beside the lowest n free modes, as Ritz vectors of what is left of them; and their
-// frequencies squared.
-std::pair<MatrixXd, VectorXd> beside(Index n, const MatrixXd& responses, const VectorXd& omega2) {
+// Response modes beside the lowest n free modes, as Ritz vectors of what is left of them.
+MatrixXd beside(Index n, const MatrixXd& responses, const VectorXd& omega2) {
   MatrixXd A = responses;
   A.topRows(std::min(n, A.rows())).setZero();
   Index kept = 0;
@@ -45,14 +44,14 @@ std::pair<MatrixXd, VectorXd> beside(Index n, const MatrixXd& responses, const V
     if (const double length = A.col(k).norm(); length > 1e-9 * responses.col(k).norm())
       A.col(kept++) = A.col(k) / length;
   A.conservativeResize(Eigen::NoChange, kept);
-  if (kept == 0) return {A, VectorXd()};
+  if (kept == 0) return A;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(A.transpose() * A);
   Index dropped = 0;
   while (gram.eigenvalues()(dropped) < 1e-12 * gram.eigenvalues()(kept - 1)) ++dropped;
   const MatrixXd Q = A * gram.eigenvectors().rightCols(kept - dropped) *
                      gram.eigenvalues().tail(kept - dropped).cwiseSqrt().cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> ritz(Q.transpose() * omega2.asDiagonal() * Q);
-  return {Q * ritz.eigenvectors(), ritz.eigenvalues()};
+  return Q * ritz.eigenvectors();
 }
 
 }  // namespace
@@ -121,7 +120,7 @@ std::optional<Screening::Basis> Screening::basis_of(const std::string& body,
     const auto index = static_cast<std::size_t>(&block - full_.blocks().data());
     const mbs::FlexibleBody* const deforms = mechanism.deforming(block.body);
     if (!deforms || !deforms->modal()) return std::nullopt;
-    return Basis{Embedding(mechanism, full_).deformations(index), deforms->modal()->damping};
+    return Basis{Embedding(mechanism, full_).deformations(index), deforms->modal()->damping_matrix()};
   } catch (const input::InputError&) {
     return std::nullopt;  // nothing acts on its interfaces, or no joint holds it
   }
@@ -162,12 +161,12 @@ WholeBody Screening::whole_of(const ModalBlock& block) {
   return {rows_, rows_compared(),
           is_known ? nullptr
                    : std::make_unique<Follower>(full_, rows_, rows_between(), shadows_->outputs(), block,
-                                                MatrixXd::Identity(block.m, block.m), VectorXd(0))};
+                                                MatrixXd::Identity(block.m, block.m), MatrixXd())};
 }
 
 // How far a candidate is from the whole: relative rms of the worst output over all rows.  Squares only add up, so that it is
 // given up at the row where they are too many: it is then above `share` and not told.
-double Screening::loss_of(const ModalBlock& block, const MatrixXd& S, const VectorXd& extra_damping,
+double Screening::loss_of(const ModalBlock& block, const MatrixXd& S, const MatrixXd& extra_damping,
                           Goal& goal) {
   Follower candidate(full_, rows_, rows_between(), shadows_->outputs(), block, S, extra_damping);
   ++effort_.candidates;
@@ -187,7 +186,7 @@ double Screening::loss_of(const ModalBlock& block, const MatrixXd& S, const Vect
 
 Candidate Screening::judge(const ModalBlock& block, int modes, const MatrixXd& responses, Goal& goal) {
   const VectorXd& omega2 = stiffness_of(full_, block);
-  const auto [A, ritz] = beside(modes, responses, omega2);
+  const MatrixXd A = beside(modes, responses, omega2);
   Candidate out;
   out.modes = modes;
   out.responses = static_cast<int>(A.cols());
@@ -201,9 +200,7 @@ Candidate Screening::judge(const ModalBlock& block, int modes, const MatrixXd& r
   MatrixXd S(block.m, modes + A.cols());
   S.leftCols(modes) = MatrixXd::Identity(block.m, modes);
   S.rightCols(A.cols()) = A;
-  // Response modes are damped critically, see read_flexible_body.hpp.
-  const VectorXd own = (A.transpose() * damping_of(full_, block).asDiagonal() * A).diagonal();
-  out.loss = loss_of(block, S, 2.0 * ritz.cwiseSqrt() - own, goal);
+  out.loss = loss_of(block, S, {}, goal);
   return out;
 }
 
@@ -224,11 +221,11 @@ std::optional<Candidate> Screening::fewest_held(const std::string& body, const s
     const std::size_t middle = is_first ? high - 1 : (low + high) / 2;
     const Index n = std::min<Index>(ladder[middle], held->S.cols());
     const MatrixXd S = held->S.leftCols(n);
-    const VectorXd own = (S.transpose() * damping_of(full_, block).asDiagonal() * S).diagonal();
+    const MatrixXd own = S.transpose() * damping_of(full_, block) * S;
     Candidate candidate;
     candidate.modes = static_cast<int>(n);
     candidate.plain = candidate.held = true;
-    candidate.loss = loss_of(block, S, held->damping.head(n) - own, goal);
+    candidate.loss = loss_of(block, S, held->damping.topLeftCorner(n, n) - own, goal);
     candidate.highest_hz = hz((S.transpose() * stiffness_of(full_, block).asDiagonal() * S)(n - 1, n - 1) /
                               S.col(n - 1).squaredNorm());
     if (candidate.loss <= goal.share) {
@@ -398,7 +395,7 @@ std::vector<Screened> Screening::bodies(const std::vector<std::string>& for_bodi
         Eigen::EigenvaluesOnly | Eigen::Ax_lBx);
     screened.first_hz = hz(held.eigenvalues()(0));
     // By the ratio of the lowest free mode.
-    const double damping = damping_of(full_, block)(0);
+    const double damping = damping_of(full_, block)(0, 0);
     screened.ringing_time = damping > 0.0
                                 ? 2.0 / damping * hz(stiffness_of(full_, block)(0)) / screened.first_hz
                                 : std::numeric_limits<double>::infinity();

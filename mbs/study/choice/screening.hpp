@@ -99,8 +99,7 @@ class Screening {
   const ModalBlock& block_of(const std::string& body) const;
   // Deformations that the body has with these words in its table, and how they are damped there [1/s].
   struct Basis {
-    Eigen::MatrixXd S;
-    Eigen::VectorXd damping;
+    Eigen::MatrixXd S, damping;
   };
   std::optional<Basis> basis_of(const std::string& body, const std::vector<std::string>& words) const;
   const Eigen::MatrixXd& responses_of(const std::string& body);
@@ -109,7 +108,7 @@ class Screening {
   std::vector<int> ladder_alone(const ModalBlock& block, int more_than, int fewer_than) const;
   std::optional<Candidate> fewest_held(const std::string& body, const std::vector<int>& ladder, Goal& goal);
   WholeBody whole_of(const ModalBlock& block);
-  double loss_of(const ModalBlock& block, const Eigen::MatrixXd& S, const Eigen::VectorXd& extra_damping,
+  double loss_of(const ModalBlock& block, const Eigen::MatrixXd& S, const Eigen::MatrixXd& extra_damping,
                  Goal& goal);
   Candidate judge(const ModalBlock& block, int modes, const Eigen::MatrixXd& responses, Goal& goal);
   std::optional<Candidate> fewest(const ModalBlock& block, const std::vector<int>& ladder,

@@ -253,9 +253,9 @@ bool is_the_same(const mbs::ModalData& whole, const mbs::ModalData& run, const M
   if (S.rows() != S.cols() || whole.coupling != run.coupling ||
       whole.second.has_value() != run.second.has_value())
     return false;
-  const VectorXd damping = (S.transpose() * whole.damping.asDiagonal() * S).diagonal();
+  const MatrixXd of_run = run.damping_matrix(), damping = S.transpose() * whole.damping_matrix() * S;
   // S is right to round-off times the condition of the basis.
-  return (damping - run.damping).norm() <= 1e-6 * run.damping.norm();
+  return (damping - of_run).norm() <= 1e-6 * of_run.norm();
 }
 
 }  // namespace

@@ -33,6 +33,9 @@ struct ReducedInterface {
   std::vector<int> following =
       {};  ///< directions that are no dofs: (u, theta)(following[k]) = follow.row(k) u_se
   Eigen::MatrixXd follow = {};
+  std::vector<int> free =
+      {};  ///< directions that it does not keep: (u, theta)(free[k]) = free_motion.row(k) u_se
+  Eigen::MatrixXd free_motion = {};
 };
 
 /// A load case on the shapes.

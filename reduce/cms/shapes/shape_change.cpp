@@ -40,14 +40,14 @@ MatrixXd mass_orthonormal(const MatrixXd& M, std::vector<int>& dropped) {
 
 }  // namespace
 
-std::vector<int> independent_dofs(const MatrixXd& M, const MatrixXd& B, double same) {
+std::vector<int> independent_dofs(const MatrixXd& M, const MatrixXd& B) {
   std::vector<int> dropped, own;
   const MatrixXd B_Q = B * mass_orthonormal(M, dropped);
   // The most independent first: a dof that hardly moves by itself would need huge shapes for a unit of it.
   MatrixXd left = B_Q;
   for (Index b = 0; b < left.rows(); ++b)
     if (const double size = left.row(b).norm(); size > 0.0) left.row(b) /= size;
-  for (Index pivot = 0; left.rows() > 0 && left.rowwise().norm().maxCoeff(&pivot) > same;) {
+  for (Index pivot = 0; left.rows() > 0 && left.rowwise().norm().maxCoeff(&pivot) > kSameMotion;) {
     own.push_back(static_cast<int>(pivot));
     const VectorXd q = left.row(pivot).normalized();
     for (int pass = 0; pass < 2; ++pass) left -= (left * q).eval() * q.transpose();
@@ -126,6 +126,7 @@ void change_shapes(Reduction& r, const CanonicalShapes& shapes) {
   r.omega2 = shapes.omega2;
   r.n_q = static_cast<int>(shapes.omega2.size());
   for (ReducedInterface& interface : r.interfaces) {
+    if (!interface.free.empty()) interface.free_motion = (interface.free_motion * Y).eval();
     if (interface.following.empty()) continue;
     interface.follow = (interface.follow * Y).eval();
     interface.follow.rightCols(r.n_q).setZero();  // what moves no dof does not move what follows dofs

@@ -29,7 +29,7 @@ class CholeskyFactor {
   /// `group_begin` cuts the rows into groups of consecutive rows with the same pattern (the directions of one
   /// node), ascending, first 0, last n; the ordering is found on the groups, which is faster.  Empty: each
   /// row its own group.  `doubled` lists rows whose diagonal entry is taken twice: A + E diag(A_pp) E^T is
-  /// factorised.  Throws SingularMatrix, or std::runtime_error when neither memory nor the disk suffices.
+  /// factorised.  A matrix without rows is no error.  Throws SingularMatrix, or std::runtime_error when neither memory nor the disk suffices.
   explicit CholeskyFactor(const SymmetricMatrix& A, std::span<const int> group_begin = {},
                           std::span<const int> doubled = {}, const FactorStorage& storage = {});
   ~CholeskyFactor();

@@ -84,11 +84,12 @@ TEST_F(MechanismFileTest, BodiesArePreparedForWhatActsOnThem) {
   EXPECT_THAT(held.notes[0],
               HasSubstr("joint \"pivot\" on interface \"left\" gives the frame and the eigenmodes'"));
   EXPECT_THAT(held.notes[1], HasSubstr("and 11 response modes up to"));
-  // Response modes above the eigenmodes follow their loads: critical damping, d = 2 omega.
+  // Response modes are damped as eigenmodes are: by the ratio, of the modes that the joint leaves.
   const ModalData& data = *held.description.bodies[1].flexible->modal();
-  EXPECT_DOUBLE_EQ(data.damping(data.damping.size() - 1),
-                   2.0 * std::sqrt(data.stiffness(data.stiffness.size() - 1)));
-  EXPECT_LT(data.damping(0), std::sqrt(data.stiffness(0)));
+  const Eigen::MatrixXd D = data.damping_matrix();
+  const Eigen::VectorXd power = D.eigenvalues().real();
+  EXPECT_GT(power.minCoeff(), 0.0);
+  EXPECT_LT(power.maxCoeff(), std::sqrt(data.stiffness.maxCoeff()));  // by far no critical damping, 2 omega
 
   for (const char* fidelity : {"ked", "static", "modal"}) {
     SCOPED_TRACE(fidelity);

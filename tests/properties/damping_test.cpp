@@ -1,0 +1,216 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+
+// For every superelement, all of whose modes are kept: a mechanism's eigenvalues are those of the quadratic problem of its K_se,
+// D_se, M_se with the joint's conditions, whatever the joint, the frame and the boundary condition.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <complex>
+
+#include "mbs/solver/linear/linearise.hpp"
+#include "mbs/solver/start/prepare.hpp"
+#include "mbs/superelement/file.hpp"
+#include "tests/properties/parts.hpp"
+
+namespace flexura::properties {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using mbs::chance::Chance;
+using superelement::Superelement;
+
+// The six rigid motions of the interfaces' dofs.
+MatrixXd rigid(const Superelement& se) {
+  MatrixXd R = MatrixXd::Zero(se.n(), 6);
+  for (const superelement::Interface& i : se.interfaces)
+    for (std::size_t k = 0; k < i.directions.size(); ++k) {
+      const int row = i.first_dof + static_cast<int>(k), d = static_cast<int>(i.directions[k]);
+      R(row, d) = 1.0;
+      if (d < 3)
+        for (int a = 0; a < 3; ++a) R(row, 3 + a) = Vector3d::Unit(a).cross(i.p_BoN_B)(d);
+    }
+  return R;
+}
+
+// Dampers between motions of the body that strain it.
+MatrixXd random_damping(Chance& chance, const Superelement& se) {
+  const MatrixXd R = rigid(se), MR = se.M_se * R;
+  const MatrixXd P =
+      MatrixXd::Identity(se.n(), se.n()) - R * (R.transpose() * MR).ldlt().solve(MR.transpose());
+  const VectorXd size = se.M_se.diagonal().cwiseSqrt();
+  const int n_dampers = 1 + chance.below(4);
+  MatrixXd C(n_dampers, se.n());
+  for (int i = 0; i < n_dampers; ++i) {
+    const double strength = std::pow(10.0, chance.between(-1.0, 1.0));  // [sqrt(1/s)]
+    for (int j = 0; j < se.n(); ++j) C(i, j) = strength * chance.between(-1.0, 1.0) * size(j);
+  }
+  C = (C * P).eval();
+  return C.transpose() * C;
+}
+
+struct JointCase {
+  const char* type;
+  std::vector<int> locked;  ///< of translations 0-2 and rotations 3-5 in the axes of its frame, z the joint's
+};
+const JointCase kJoints[] = {{"fixed", {0, 1, 2, 3, 4, 5}},
+                             {"revolute", {0, 1, 2, 3, 4}},
+                             {"prismatic", {0, 1, 3, 4, 5}},
+                             {"cylindrical", {0, 1, 3, 4}},
+                             {"spherical", {0, 1, 2}},
+                             {"planar", {2, 3, 4}},
+                             {"six_dof", {}}};
+
+// (u, theta) of an interface in the axes of E.
+MatrixXd motion_in(const Superelement& se, const superelement::Interface& i, const Matrix3d& E) {
+  MatrixXd rows = MatrixXd::Zero(6, se.n());
+  for (std::size_t k = 0; k < i.directions.size(); ++k)
+    rows(static_cast<int>(i.directions[k]), i.first_dof + static_cast<int>(k)) = 1.0;
+  MatrixXd out(6, se.n());
+  out << E.transpose() * rows.topRows(3), E.transpose() * rows.bottomRows(3);
+  return out;
+}
+
+// Those of x' = A x with an imaginary part from 0 on.
+std::vector<std::complex<double>> upper(const Eigen::VectorXcd& values) {
+  std::vector<std::complex<double>> out;
+  for (const auto& value : values)
+    if (value.imag() >= 0.0) out.push_back(value);
+  return out;
+}
+
+// K, D, M where G u = 0: eigenvalues s of s^2 M + s D + K.
+std::vector<std::complex<double>> right(const Superelement& se, const MatrixXd& D, const MatrixXd& G) {
+  MatrixXd N = MatrixXd::Identity(se.n(), se.n());
+  if (G.rows() > 0) N = G.fullPivLu().kernel();
+  const VectorXd unit = (N.transpose() * se.M_se * N).diagonal().cwiseSqrt().cwiseInverse();
+  N = (N * unit.asDiagonal()).eval();
+  const MatrixXd M = N.transpose() * se.M_se * N;
+  const Index n = N.cols();
+  MatrixXd A = MatrixXd::Zero(2 * n, 2 * n);
+  A.topRightCorner(n, n).setIdentity();
+  const Eigen::LLT<MatrixXd> llt(M);
+  A.bottomLeftCorner(n, n) = -llt.solve(N.transpose() * se.K_se * N);
+  A.bottomRightCorner(n, n) = -llt.solve(N.transpose() * D * N);
+  return upper(Eigen::EigenSolver<MatrixXd>(A, false).eigenvalues());
+}
+
+struct Case {
+  Superelement se;
+  const JointCase* joint = nullptr;
+  MatrixXd G;  // of the joint
+  std::string text;
+  std::vector<std::complex<double>> found;
+};
+
+// A body on a joint from the ground to one of its interfaces.
+Case make_case(Chance& chance, const test::Folder& folder, Superelement se, const std::string& keys,
+               const JointCase& joint) {
+  Case out;
+  const superelement::Interface& at =
+      se.interfaces[static_cast<std::size_t>(chance.below(static_cast<int>(se.interfaces.size())))];
+  const Matrix3d E = chance.rotation();
+  const auto list = [](const Vector3d& v) {
+    return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z());
+  };
+  const std::string axes = fmt::format("axis = {}\nx_axis = {}\n", list(E.col(2)), list(E.col(0)));
+  out.text = fmt::format(
+      "gravity = [0, 0, 0]\n[ground.marker.o]\nposition = {}\n{}[body.b]\nsuperelement = "
+      "\"part.se.h5\"\n{}[body.b.marker.o]\non = "
+      "\"{}\"\n{}[joint.j]\ntype = \"{}\"\nfrom = \"ground.o\"\nto = \"b.o\"\n",
+      list(at.p_BoN_B), axes, keys, at.name, axes, joint.type);
+  out.joint = &joint;
+  const MatrixXd motion = motion_in(se, at, E);
+  out.G = motion(joint.locked, Eigen::all);
+  superelement::write(folder / "part.se.h5", se);
+  const mbs::PreparedMechanism p = mbs::prepare(folder.write("m.toml", out.text));
+  const mbs::LinearSystem system = mbs::linearise(*p.mechanism, p.state);
+  // Balanced by the sizes of displacements against speeds: eigenvalues are then right to round-off of the largest.
+  out.found = upper(Eigen::EigenSolver<MatrixXd>(system.A, false).eigenvalues());
+  out.se = std::move(se);
+  return out;
+}
+
+// Each of `right` has one of `found`, but those that are zero.
+void expect_same(std::vector<std::complex<double>> found, const std::vector<std::complex<double>>& right) {
+  double largest = 0.0;
+  for (const auto& s : right) largest = std::max(largest, std::abs(s));
+  for (const auto& s : right) {
+    // A double zero of rigid motion is known to the root of round-off; vibrations to round-off of the largest eigenvalue's square.
+    if (std::abs(s) < 1e-6 * largest) continue;
+    const auto nearest =
+        std::ranges::min_element(found, {}, [&](const auto& other) { return std::abs(other - s); });
+    ASSERT_NE(nearest, found.end());
+    const double tolerance = 1e-6 * std::abs(s) + 1e-13 * largest * largest / std::abs(s);
+    EXPECT_LT(std::abs(*nearest - s), tolerance)
+        << fmt::format("{} {:+}i is found as {} {:+}i", s.real(), s.imag(), nearest->real(), nearest->imag());
+    found.erase(nearest);
+  }
+}
+
+const char* const kFrames[] = {"",
+                               "frame = \"mean_axis\"\n",
+                               "frame = \"joint_fixed\"\n",
+                               "boundary = \"joint\"\n",
+                               "frame = \"joint_fixed\"\nboundary = \"free\"\n",
+                               "frame = \"joints\"\n"};
+
+template <class Judge>
+void for_random_parts(int cases, const Judge& judge) {
+  const test::Folder folder;
+  int judged = 0;
+  for (int seed = 1; judged < cases && seed < 4 * cases; ++seed) {
+    Chance chance(static_cast<std::uint64_t>(seed));
+    const Kind kind = chance.one_of(kKinds);
+    RandomPart part = random_part(chance, kind == Kind::flexdata ? Kind::beams : kind, folder,
+                                  {.all_directions = true, .fewest_modes = 1});
+    if (!part.refused.empty()) continue;
+    ++judged;
+    SCOPED_TRACE(fmt::format("seed {}\n{}", seed, part.text));
+    judge(chance, folder, std::move(part.superelement));
+    if (testing::Test::HasFailure()) return;
+  }
+  EXPECT_EQ(judged, cases);
+}
+
+TEST(Damping, OfAMatrixIsThatOfTheQuadraticProblem) {
+  for_random_parts(200, [](Chance& chance, const test::Folder& folder, Superelement se) {
+    se.D_se = random_damping(chance, se);
+    const JointCase& joint = chance.one_of(kJoints);
+    std::string frame = chance.one_of(kFrames);
+    if (joint.locked.empty() && frame.find("\"joints\"") != std::string::npos) frame.clear();
+    Case c = make_case(chance, folder, std::move(se), frame, joint);
+    SCOPED_TRACE(c.text);
+    expect_same(c.found, right(c.se, c.se.D_se, c.G));
+  });
+}
+
+// A ratio belongs to the modes that the joint leaves.
+TEST(Damping, OfARatioIsThatOfTheModesThatTheJointLeaves) {
+  for_random_parts(200, [](Chance& chance, const test::Folder& folder, Superelement se) {
+    const JointCase& joint = chance.one_of(kJoints);
+    const double ratio = chance.between(0.001, 0.1);
+    const char* const kHeld[] = {"frame = \"joint_fixed\"\n", "boundary = \"joint\"\n"};
+    Case c = make_case(chance, folder, std::move(se),
+                       chance.one_of(kHeld) + fmt::format("damping = {:.17g}\n", ratio), joint);
+    SCOPED_TRACE(c.text);
+    std::vector<std::complex<double>> damped;
+    double largest = 0.0;
+    for (const auto& s : right(c.se, MatrixXd::Zero(c.se.n(), c.se.n()), c.G)) {
+      largest = std::max(largest, std::abs(s));
+      damped.push_back(std::abs(s) * std::complex<double>(-ratio, std::sqrt(1.0 - ratio * ratio)));
+    }
+    // What does not vibrate is rigid motion.
+    std::erase_if(damped, [&](const auto& s) { return std::abs(s) < 1e-6 * largest; });
+    expect_same(c.found, damped);
+  });
+}
+
+}  // namespace
+}  // namespace flexura::properties
