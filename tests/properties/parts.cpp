@@ -38,7 +38,9 @@ std::string some_directions(Chance& chance, const PartOptions& options, int most
 }
 
 std::string modes_text(Chance& chance, const PartOptions& options) {
-  return fmt::format("[modes]\ncount = {}\ndamping = 0.0\n", options.fewest_modes + chance.below(12));
+  // Few, or all there are.
+  const int count = chance.flip(0.15) ? 500 : options.fewest_modes + chance.below(12);
+  return fmt::format("[modes]\ncount = {}\ndamping = 0.0\n", count);
 }
 
 std::string beams(Chance& chance, const PartOptions& options) {

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "reduce/linalg/eigen/block_lanczos.hpp"
+#include "reduce/linalg/eigen/dense_pairs.hpp"
 #include "reduce/linalg/eigen/spectrum_slices.hpp"
 #include "reduce/linalg/factor/factor_store.hpp"
 #include "reduce/linalg/petsc/petsc_check.hpp"
@@ -262,13 +263,21 @@ PetscErrorCode solve(EPS eps) {
     EigenPairs pairs;
     try {
       int slice = modes_of_slice(eps);
-      if (slice == 0) try {
+      if (slice == 0 && own.context && is_dense(problem, request)) {
+        pairs = dense_pairs(problem, request);
+      } else if (slice == 0) {
+        try {
           pairs = iterate_block_lanczos(problem, request, settings, progress);
         } catch (const ManyModes& many) {
           slice = many.slice;
           settings.most_vectors = std::max(settings.most_vectors,
                                            slice_vectors(slice, width_in_slices(eps), room_for_vectors(eps)));
+        } catch (
+            const std::runtime_error&) {  // modes as many as rounding spoils, or as the basis has room for
+          if (!own.context || !may_be_dense(problem)) throw;
+          pairs = dense_pairs(problem, request);
         }
+      }
       in_slices = slice > 0;
       if (in_slices) settings.block = width_in_slices(eps);
       data(eps).used_slice = slice;
