@@ -183,10 +183,10 @@ Elastic elastic_modes(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M, const 
   }
   const Eigen::VectorXd& mu =
       solver.eigenvalues();  // 1 / (omega^2 + sigma), ascending, so frequencies descend
-  Eigen::Index n_modes = 0;  // massless motions have mu = 0 to round-off and no frequency
-  while (n_modes < mu.size() &&
-         mu[mu.size() - 1 - n_modes] > static_cast<double>(n) * epsilon * mu[mu.size() - 1])
-    ++n_modes;
+  // Massless motions have mu = 0 to round-off and no frequency.
+  const double massless = 100.0 * static_cast<double>(n) * epsilon * mu[mu.size() - 1];
+  Eigen::Index n_modes = 0;
+  while (n_modes < mu.size() && mu[mu.size() - 1 - n_modes] > massless) ++n_modes;
   result.omega2.resize(n_modes);
   result.phi.resize(n, n_modes);
   for (Eigen::Index j = 0; j < n_modes; ++j) {
