@@ -44,11 +44,11 @@ std::vector<Strut> struts_of(const Model& model) {
 
 }  // namespace
 
-void refuse_mechanisms(const Model& model) {
+std::string mechanism_of(const Model& model) {
   bool any = false;
   for (const Member& member : model.members)
     any = any || member.end[0].released.any() || member.end[1].released.any();
-  if (!any) return;  // rigid joints leave no mechanism in a connected structure
+  if (!any) return "";  // rigid joints leave no mechanism in a connected structure
 
   const std::vector<Strut> struts = struts_of(model);
   // Hold the first node of each part (any node that members join; rigid motions of the parts are not
@@ -81,7 +81,7 @@ void refuse_mechanisms(const Model& model) {
   for (std::size_t node = 0; node < model.nodes.size(); ++node)
     if (used[node] && !fixed[node])
       for (int k = 0; k < 6; ++k) dof[6 * node + k] = n++;
-  if (n == 0) return;
+  if (n == 0) return "";
 
   std::vector<Eigen::Triplet<double>> triplets;
   triplets.reserve(144 * struts.size());
@@ -143,7 +143,7 @@ void refuse_mechanisms(const Model& model) {
     const double l = placement.length;
     energy += l * s.dot(section.f * s) + l * l * l / 12.0 * slope.dot(section.f * slope);
   }
-  if (energy > kMechanism) return;
+  if (energy > kMechanism) return "";
 
   // A turn counts by a tenth of the structure's size: what swings is named for its way, what only spins for
   // its turn.
@@ -168,10 +168,10 @@ void refuse_mechanisms(const Model& model) {
         best_direction = k;
       }
     }
-  throw std::invalid_argument(fmt::format(
-      "the releases leave a mechanism: node \"{}\" is free {} without straining any member; release fewer "
-      "directions there",
-      model.nodes[best_node].name, directions[best_direction]));
+  return fmt::format(
+      "the releases leave a mechanism: node \"{}\" is free {} without straining any member; hold it by an "
+      "interface, or release fewer directions there",
+      model.nodes[best_node].name, directions[best_direction]);
 }
 
 }  // namespace flexura::beam

@@ -1,12 +1,14 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
+
 #include "beam/model/model.hpp"
 
 namespace flexura::beam {
 
-/// Throws std::invalid_argument when releases leave a motion, other than that of the whole structure, which
-/// strains no member: names the node that moves most and its direction.
+/// A motion that releases leave, other than that of the whole structure, which strains no member: a sentence with the node that
+/// moves most and its direction; empty where there is none.  Throws std::invalid_argument where a member moves so by itself.
 ///
 /// One element for each member (its end stiffness is exact), one node of each part held
 /// (anchors, where it has any).  The softest
@@ -15,6 +17,6 @@ namespace flexura::beam {
 /// 1e-17 of the energy that z's components would have one by one: a chain of n members has 1/n^4 in its
 /// softest motion, so chains up to 10,000 members pass, and hinges are found in chains up to 3,000 members
 /// (tested).
-void refuse_mechanisms(const Model& model);
+std::string mechanism_of(const Model& model);
 
 }  // namespace flexura::beam

@@ -145,7 +145,7 @@ void check(const Model& model) {
   check_tapers(model);
   check_masses(model);
   check_connection(model);
-  refuse_mechanisms(model);
+  mechanism_of(model);  // refuses members that are loose by themselves
 }
 
 std::vector<std::string> warnings(const Model& model, const std::vector<int>& fixed) {
@@ -154,6 +154,7 @@ std::vector<std::string> warnings(const Model& model, const std::vector<int>& fi
     for (const MemberEnd& end : member.end) ++members_at[end.node];
   for (const int node : fixed) members_at[node] += 2;
   std::vector<std::string> texts;
+  if (const std::string mechanism = mechanism_of(model); !mechanism.empty()) texts.push_back(mechanism);
   for (const Member& member : model.members) {
     const Section& section = model.sections[member.section].section;
     if (!section.open_thin_walled) continue;

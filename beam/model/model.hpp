@@ -70,11 +70,11 @@ struct Subdivision {
 
 /// Refuses what cannot be computed, with std::invalid_argument naming node or member, value, rule and remedy:
 /// indices out of range, a node no member uses, members in separate parts, zero length, a direction parallel
-/// to the axis, a taper between different kinds, a negative mass, an inertia no body can have, releases that
-/// leave a mechanism (names the node and the free direction).
+/// to the axis, a taper between different kinds, a negative mass, an inertia no body can have, releases by which a member slides or
+/// spins by itself.
 void check(const Model& model);
 
-/// Warnings in sentences: members of open thin-walled section whose ends cannot warp freely and which are not
+/// Warnings in sentences: a mechanism that releases leave (mechanism.hpp); members of open thin-walled section whose ends cannot warp freely and which are not
 /// long against the decay length sqrt(E I_w / (G I_t)); a 12-dof element twists too much there.  `fixed`
 /// lists nodes held or tied from outside (interfaces).
 std::vector<std::string> warnings(const Model& model, const std::vector<int>& fixed);

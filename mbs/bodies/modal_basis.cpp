@@ -300,7 +300,9 @@ ModalData modal_data(const superelement::Superelement& se, const BasisOptions& o
   const ModeSet eigenmodes = steps.eigenmodes();
   const int available = static_cast<int>(eigenmodes.omega2.size());
   int kept = 0;
-  while (kept < available && kept < options.modes && hz(eigenmodes.omega2(kept)) <= options.max_frequency)
+  // Motions without strain are no approximation's to leave out.
+  while (kept < available && (eigenmodes.omega2(kept) == 0.0 ||
+                              (kept < options.modes && hz(eigenmodes.omega2(kept)) <= options.max_frequency)))
     ++kept;
   const bool responses = options.loads.cols() > 0 && (kept < available || options.held.cols() > 0);
   if (kept == 0 && !responses)

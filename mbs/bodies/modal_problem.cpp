@@ -62,6 +62,11 @@ ModalProblem::ModalProblem(const superelement::Superelement& se, const MatrixXd&
                     se_.name));
 }
 
+namespace {
+// Of the highest omega^2: what may be none.  Constraint modes leave 1e-12 of the stiffness, dense solutions n times round-off.
+constexpr double kNoStiffness = 1e-13;
+}  // namespace
+
 // The held directions (scaled as loads) and mean axes for the rigid motions that they leave: what of a
 // deformation vanishes.
 MatrixXd ModalProblem::conditions_of(const MatrixXd& held) const {
@@ -113,6 +118,17 @@ MatrixXd ModalProblem::responses(const MatrixXd& loads, double omega) const {
                                      "mode; choose another",
                                      se_.name, omega / (2.0 * std::numbers::pi),
                                      std::sqrt(omega2(k)) / (2.0 * std::numbers::pi)));
+  }
+  // A load on a motion without strain has no static answer: like the rigid ones it is left to inertia.
+  if (!(omega > 0.0)) {
+    const ModeSet modes = eigenmodes_in(free_);
+    Index still = 0;
+    while (still < modes.omega2.size() && modes.omega2(still) == 0.0) ++still;
+    if (still > 0) {
+      const Index k = modes.omega2.size() - still;
+      return modes.Y.rightCols(k) * modes.omega2.tail(k).cwiseInverse().asDiagonal() *
+             (modes.Y.rightCols(k).transpose() * to_loads(loads));
+    }
   }
   const Eigen::PartialPivLU<MatrixXd> lu(A);
   return free_ * lu.solve(P);
@@ -208,11 +224,14 @@ ModeSet ModalProblem::eigenmodes_in(const MatrixXd& N) const {
     throw std::invalid_argument(
         fmt::format("superelement \"{}\": M_se is not positive definite beside its rigid motions", se_.name));
   ModeSet modes{N * solver.eigenvectors(), solver.eigenvalues()};
-  if (!(modes.omega2(0) > 0.0))
+  // A body that hinges within itself has motions without strain, 0 to round-off of the highest.
+  const double noise = kNoStiffness * modes.omega2(modes.omega2.size() - 1);
+  if (!(modes.omega2(0) >= -noise))
     throw std::invalid_argument(
-        fmt::format("superelement \"{}\": K_se has a mode without stiffness beside the six rigid motions "
-                    "(omega^2 = {})",
+        fmt::format("superelement \"{}\": K_se has a motion of negative stiffness beside the six rigid ones "
+                    "(omega^2 = {}); reduce the part again, without loads that make it buckle",
                     se_.name, modes.omega2(0)));
+  modes.omega2 = (modes.omega2.array() <= noise).select(0.0, modes.omega2);
   // A sign that does not depend on the eigensolver: the largest entry is positive.
   for (Index i = 0; i < modes.Y.cols(); ++i) {
     Index k = 0;

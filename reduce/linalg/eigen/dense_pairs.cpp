@@ -77,7 +77,6 @@ EigenPairs dense_pairs(const EigenProblem& problem, const EigenRequest& request)
   for (Index k = 0; k < n_modes; ++k) pairs.omega2(k) = 1.0 / dense.values(n - 1 - k) - sigma;
   pairs.Phi = Q * (s.asDiagonal() * dense.vectors.rightCols(n_modes).rowwise().reverse());
   trim(pairs, request);
-  pairs.counted = true;
   if (pairs.Phi.cols() == 0) {
     measure_residuals(problem, pairs);
     return pairs;
