@@ -113,7 +113,7 @@ void Radau::create(const State& s) {
   const int n = form_->size();
   for (VectorXd* x : {&y_, &yp_, &last_.y_begin, &weights2_, &stage_, &rate_, &interpolated_}) x->setZero(n);
   errors_ = std::make_unique<RadauErrors>(eq_, k_, *matrices_);
-  newton_ = std::make_unique<RadauNewton>(k_, *form_, options_.tolerance);
+  newton_ = std::make_unique<RadauNewton>(k_, *form_, loosening_ * options_.tolerance);
   for (auto* three : {&Z_, &last_.Z})
     for (VectorXd& x : *three) x.setZero(n);
   n_norm_ = std::max(1, form_->at_lambda());
