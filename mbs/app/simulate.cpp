@@ -346,6 +346,7 @@ terminal::Command simulate_command() {
                   "reduce the parts that the runs want to deform and that are rigid or not there yet, and "
                   "with an "
                   "accuracy those whose mesh is too coarse for it, anew")
+            .flag("--run-scripts", a->run_scripts, "with --reduce: as of flexura reduce")
             .optional_value(
                 "--interferences", a->interferences, kOverlap, "DEPTH",
                 "look for bodies whose surfaces overlap by more than this in the stored rows, beside "

@@ -36,7 +36,7 @@ struct Arguments {
   std::string file, output, share;
   std::vector<std::string> set;
   int jobs = 1;
-  bool fresh = false, schema = false, json = false;
+  bool fresh = false, schema = false, json = false, run_scripts = false;
 };
 
 // A study's "2/4": the second of four shares.
@@ -204,6 +204,7 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   study::MeasureOptions options;
   options.jobs = arguments.jobs;
   options.fresh = arguments.fresh;
+  options.run_scripts = arguments.run_scripts;
   options.progress = [&](std::string_view stage, double fraction) { progress(stage, fraction); };
   options.note = [&](std::string_view words) {
     if (verbosity.quiet) return;
@@ -274,6 +275,7 @@ terminal::Command study_command() {
                     "without it to gather")
             .option("--set", a->set, "KEY=VALUE", "override a key of the study file, as in repeats=5")
             .flag("--fresh", a->fresh, "measure again what the cache has")
+            .flag("--run-scripts", a->run_scripts, "of the parts: as of flexura reduce")
             .flag("--json", a->json, "print what STEM.json holds")
             .flag("--schema", a->schema, "print the study file's reference page, then stop")
             .example("flexura study engine_study.toml -o out/engine", "table, front, answers")

@@ -189,6 +189,7 @@ class Laboratory {
     input::ContentHash hash;
     hash.add(reduce_).add_input_file(part.file);
     task.command = {programs_.reduce.string(), fs::absolute(part.file).string(), "-q"};
+    if (options_.run_scripts) task.command.emplace_back("--run-scripts");
     for (const std::string& text : set) {
       hash.add(text);
       task.command.insert(task.command.end(), {"--set", text});

@@ -23,6 +23,7 @@ struct MeasureOptions {
   int jobs = 1;               ///< first runs side by side; times are then taken one run at a time
   int share = 1, shares = 1;  ///< run only every shares-th choice, beginning with number `share`
   bool fresh = false;         ///< forget what is in the cache
+  bool run_scripts = false;   ///< parts may name scripts
   std::function<void(std::string_view stage, double fraction)> progress;
   std::function<void(std::string_view words)> note;  ///< a sentence for the user, one at a time
 };

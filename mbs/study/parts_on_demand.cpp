@@ -111,10 +111,12 @@ bool is_to_deform(const Section& body, double accuracy) {
 
 }  // namespace
 
-PartsOnDemand::PartsOnDemand(fs::path mechanism, fs::path bin, fs::path cache, Telling telling)
+PartsOnDemand::PartsOnDemand(fs::path mechanism, fs::path bin, fs::path cache, bool run_scripts,
+                             Telling telling)
     : mechanism_(std::move(mechanism)),
       bin_(std::move(bin)),
       cache_(std::move(cache)),
+      run_scripts_(run_scripts),
       telling_(std::move(telling)) {}
 
 void PartsOnDemand::collect(const std::vector<std::string>& overrides) {
@@ -216,6 +218,7 @@ void PartsOnDemand::reduce(const std::string& superelement, Part& part) {
   input::ContentHash hash;
   hash.add_file(bin_ / "flexura-reduce").add_file(bin_ / "flexura-mesh").add_input_file(part.file);
   std::vector<std::string> command = {(bin_ / "flexura-reduce").string(), fs::absolute(part.file).string()};
+  if (run_scripts_) command.emplace_back("--run-scripts");
   std::vector<std::string> set;
   for (const auto& [name, table] : part.added) set.push_back(fmt::format("interface.{}={}", name, table));
   if (part.accuracy > 0.0) set.push_back(fmt::format("modes.accuracy={:.3g}", part.accuracy));

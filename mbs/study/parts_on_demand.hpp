@@ -37,9 +37,9 @@ struct Telling {
 
 class PartsOnDemand {
  public:
-  /// `bin`: the folder of the programs. `cache`: empty for a folder beside each part.
+  /// `bin`: the folder of the programs. `cache`: empty for a folder beside each part. `run_scripts`: parts may name scripts.
   PartsOnDemand(std::filesystem::path mechanism, std::filesystem::path bin, std::filesystem::path cache,
-                Telling telling);
+                bool run_scripts, Telling telling);
 
   /// The overrides ("body.rod.superelement=...") with which the mechanism's runs (all, or those named) find what they want, as they are
   /// with the overrides `set`.  Throws input::InputError where the mechanism cannot be read, a part file is not there or is refused, std::runtime_error where a
@@ -67,6 +67,7 @@ class PartsOnDemand {
   std::vector<std::string> overrides_for(const Part& part, const std::vector<std::string>& bodies) const;
 
   std::filesystem::path mechanism_, bin_, cache_;
+  bool run_scripts_;
   Telling telling_;
   std::map<std::string, Part> parts_;           ///< by the path of the superelement that the file names
   std::map<std::string, std::string> part_of_;  ///< of a body

@@ -90,6 +90,16 @@ std::string last_error(const std::string& log) {
          ")";
 }
 
+/// gmsh knows the file by its descriptor.
+std::string with_its_name(std::string text, const Job& job) {
+  const std::string known = kFileOfDescriptor, name = fs::path(job.path).filename().string();
+  for (std::size_t at = 0; (at = text.find(known, at)) != std::string::npos;) {
+    text.replace(at, known.size(), name);
+    at += name.size();
+  }
+  return text;
+}
+
 }  // namespace
 
 Answer ask_worker(const fs::path& worker, const Job& job, double limit_s, const Progress& progress,
@@ -101,10 +111,12 @@ Answer ask_worker(const fs::path& worker, const Job& job, double limit_s, const 
     throw TryFailed(fmt::format("was not done within {:.3g} s{}", limit_s,
                                 outcome.stage.empty() ? "" : " (it was " + outcome.stage + ")"));
   if (outcome.end == ChildEnd::crashed)
-    throw WorkerCrashed("made the mesher fail" + stage + ": it " + outcome.reason + last_error(outcome.log));
+    throw WorkerCrashed("made the mesher fail" + stage + ": it " + outcome.reason +
+                        last_error(with_its_name(outcome.log, job)));
   Answer answer = read_answer(outcome.result, job.order == 2 ? 10 : 4);
   if (!answer.record.error.empty()) {
-    const std::string detail = last_error(outcome.log);
+    answer.record.error = with_its_name(answer.record.error, job);
+    const std::string detail = last_error(with_its_name(outcome.log, job));
     const bool said = answer.record.error.find(detail.empty() ? "" : detail.substr(8, detail.size() - 9)) !=
                       std::string::npos;
     throw PartRefused(answer.record.error + (said ? "" : detail));

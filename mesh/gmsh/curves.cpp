@@ -11,6 +11,7 @@
 
 #include "mesh/gmsh/ask.hpp"
 #include "mesh/gmsh/cad_file.hpp"
+#include "mesh/gmsh/msh_file.hpp"
 
 namespace flexura::mesh {
 namespace {
@@ -35,6 +36,17 @@ std::vector<int> merge(const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::Row
   return number;
 }
 
+void inspect_script(const CurveOptions& options) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(options.path, none) || !std::ifstream(options.path))
+    throw std::invalid_argument(options.path.string() + ": cannot be opened as a file");
+  if (!options.run_scripts)
+    throw std::invalid_argument(
+        options.path.string() +
+        ": is a script, which gmsh runs: look through it and give --run-scripts, or save its curves as "
+        ".msh or STEP");
+}
+
 }  // namespace
 
 CurveSet read_curves(const CurveOptions& options) {
@@ -46,10 +58,9 @@ CurveSet read_curves(const CurveOptions& options) {
   job.turn = options.turn;
   std::string extension = options.path.extension().string();
   if (extension == ".msh" || extension == ".geo" || extension == ".geo_unrolled") {
-    std::error_code none;
-    if (!std::filesystem::is_regular_file(options.path, none) || !std::ifstream(options.path))
-      throw std::invalid_argument(name + ": cannot be opened as a file");
     job.format = extension == ".msh" ? "msh" : "geo";
+    if (job.format == "msh") inspect_msh_file(options.path);
+    if (job.format == "geo") inspect_script(options);
     job.to_m = metres_in(options.unit.empty() ? "m" : options.unit);
   } else {
     const CadFile file = inspect_cad_file(options.path);

@@ -14,6 +14,7 @@ struct CurveOptions {
   std::string unit;            ///< overrides what the file says; gmsh files have none: m
   double turn = 0.0873;        ///< greatest angle between neighbouring pieces of a curve [rad]
   double time_limit_s = 120;
+  bool run_scripts = false;      ///< take .geo files, which gmsh runs
   std::filesystem::path worker;  ///< the child program; empty = flexura-mesh beside this program or in PATH
 };
 
@@ -36,7 +37,7 @@ struct CurveSet {
 /// Ends that lie within 1e-6 of the model's size of each other are one point.  Pieces of bent curves have
 /// their ends on the curve, so their length is short by turn^2 / 24.  Line elements of .msh files are taken
 /// as they are.  Throws std::invalid_argument for what cannot be read, holds no curves, or holds faces or
-/// solids in a CAD file (whose edges are no members).
+/// solids in a CAD file (whose edges are no members), and for a script that may not run.
 CurveSet read_curves(const CurveOptions& options);
 
 }  // namespace flexura::mesh

@@ -15,6 +15,10 @@
 namespace flexura::mesh {
 
 inline constexpr int kResultDescriptor = 3, kProgressDescriptor = 4;
+/// The child opens the file here and gives this name of it to gmsh, which chooses a reader by the ending, uncompresses by a shell,
+/// and runs NAME.opt beside it: a name without ending and neighbours leaves the choice to us.
+inline constexpr int kFileDescriptor = 5;
+inline constexpr const char* kFileOfDescriptor = "/proc/self/fd/5";
 
 struct Job {
   std::string

@@ -5,39 +5,18 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
 #include <stdexcept>
 
 #include "mesh/gmsh/ask.hpp"
+#include "mesh/gmsh/msh_file.hpp"
 #include "mesh/model/cells/record.hpp"
 #include "mesh/model/geometry.hpp"
 #include "mesh/model/patches.hpp"
 
 namespace flexura::mesh {
-namespace {
-
-/// gmsh opens anything in silence: look for the word that its format begins with.
-void inspect(const std::filesystem::path& path) {
-  const std::string name = path.string();
-  std::ifstream file(path, std::ios::binary);
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw std::invalid_argument(name + ": no such file");
-  if (!std::filesystem::is_regular_file(path, error) || !file)
-    throw std::invalid_argument(name + ": cannot be opened as a file");
-  std::string head(4000, '\0');
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(file.gcount()));
-  if (head.find_first_not_of(" \t\r\n") == std::string::npos)
-    throw std::invalid_argument(name + ": is empty");
-  if (head.find("$MeshFormat") == std::string::npos)
-    throw std::invalid_argument(name + ": not a gmsh mesh ($MeshFormat is missing)");
-}
-
-}  // namespace
-
 MeshFile read_mesh_file(const std::filesystem::path& path, const std::filesystem::path& worker,
                         double time_limit_s, MeshFileCells cells) {
-  inspect(path);
+  inspect_msh_file(path);
   Job job;
   job.task = cells == MeshFileCells::shells ? "read shells" : "read";
   job.path = std::filesystem::absolute(path).string();

@@ -49,7 +49,7 @@ struct Arguments {
   int places = kNotGiven, threads = kNotGiven;
   int places_or_default() const { return places == kNotGiven ? 5 : places; }
   bool factor_in_file = false, list_faces = false, schema = false, schema_beams = false,
-       schema_flexdata = false, statics = false;
+       schema_flexdata = false, statics = false, run_scripts = false;
 };
 
 // What one kind of part knows and the other does not is refused, not passed over.
@@ -177,10 +177,12 @@ int reduce_with(const Arguments& arguments, const terminal::Verbosity& verbosity
   }
   if (is_beam) {
     const linalg::Session session;  // one for the structure and its solids
-    const reduce::BeamPartInput beams =
-        reduce::read_beam_part(arguments.input, overrides, [&](const reduce::SolidInput& solid) {
+    const reduce::BeamPartInput beams = reduce::read_beam_part(
+        arguments.input, overrides,
+        [&](const reduce::SolidInput& solid) {
           return reduce::attach_solid(solid, output, {.report = {}, .quiet = verbosity.quiet});
-        });
+        },
+        arguments.run_scripts);
     if (arguments.beam_modes > 0) {
       reduce::print_beam_modes(beams, arguments.beam_modes, std::cout);
       return 0;
@@ -253,6 +255,8 @@ std::function<int()> declare(terminal::Options& options, const terminal::Verbosi
           "--html", arguments->html, kBesidePart, "FILE",
           "with --list-faces: also a page with the part, numbers on its faces and the interfaces chosen from "
           "them (default: PART.faces.html)")
+      .flag("--run-scripts", arguments->run_scripts,
+            "beam parts: let gmsh run the .geo scripts that [curves.NAME] names; look through them first")
       .flag("--schema", arguments->schema, "print the part file's reference page, then stop")
       .flag("--schema-flexdata", arguments->schema_flexdata,
             "print the reference page of part files for FlexData, then stop")

@@ -24,7 +24,9 @@ input::TableSchema curves_schema() {
                            "[node.NAME] is that node."};
   s.keys = {
       input::text("file",
-                  "STEP, IGES or BREP file of curves, or gmsh's .geo or .msh; relative to the part file")
+                  "STEP, IGES or BREP file of curves, or gmsh's .msh; its scripts (.geo) by --run-scripts "
+                  "alone; relative to the "
+                  "part file")
           .required(),
       input::choice("unit", {"m", "mm", "cm", "um", "inch", "ft"},
                     "length unit of the file; overrides what it says; gmsh's files say nothing: m"),
@@ -78,7 +80,7 @@ std::set<int> chosen_curves(const Section& in, const mesh::CurveSet& set) {
 
 }  // namespace
 
-void read_curve_members(const std::string& name, const Section& in, const Names& sections,
+void read_curve_members(const std::string& name, const Section& in, const Names& sections, bool run_scripts,
                         beam::Model& model) {
   mesh::CurveOptions options;
   options.path = in.file("file");
@@ -86,6 +88,7 @@ void read_curve_members(const std::string& name, const Section& in, const Names&
     in.refuse("file", "there is no such file", "relative names start at the part file's folder");
   if (in.has("unit")) options.unit = in.text("unit");
   options.turn = in.quantity("turn");
+  options.run_scripts = run_scripts;
   mesh::CurveSet set;
   try {
     set = mesh::read_curves(options);

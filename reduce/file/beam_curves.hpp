@@ -17,6 +17,6 @@ input::TableSchema curves_schema();
 /// of curves read before) is that node; the others become nodes "NAME.1", "NAME.2", ...  Throws
 /// input::InputError.
 void read_curve_members(const std::string& name, const input::Section& in, const Names& sections,
-                        beam::Model& model);
+                        bool run_scripts, beam::Model& model);
 
 }  // namespace flexura::reduce

@@ -100,7 +100,7 @@ bool is_beam_file(const std::filesystem::path& file) {
 }
 
 BeamPartInput read_beam_part(const std::filesystem::path& file, const std::vector<std::string>& overrides,
-                             const AttachSolid& attach) {
+                             const AttachSolid& attach, bool run_scripts) {
   const Section in = input::read_document(file, beam_schema(), overrides);
   BeamPartInput part;
   part.name = in.has("name") ? in.text("name") : file.stem().string();
@@ -131,7 +131,8 @@ BeamPartInput read_beam_part(const std::filesystem::path& file, const std::vecto
     for (const auto& [name, m] : in.table_map("member"))
       model.members.push_back(read_member(name, m, nodes, sections));
   if (in.has("curves"))
-    for (const auto& [name, c] : in.table_map("curves")) read_curve_members(name, c, sections, model);
+    for (const auto& [name, c] : in.table_map("curves"))
+      read_curve_members(name, c, sections, run_scripts, model);
   nodes.known.clear();
   for (const beam::Node& node : model.nodes) nodes.known.push_back(node.name);
   if (in.has("mass"))

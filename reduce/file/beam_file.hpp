@@ -19,8 +19,10 @@ const input::TableSchema& beam_schema();
 /// cannot be read.
 bool is_beam_file(const std::filesystem::path& file);
 
-/// Reads and checks a beam part; `attach` is asked for each solid.  Throws input::InputError.
+/// Reads and checks a beam part; `attach` is asked for each solid, `run_scripts` takes curves of .geo files.  Throws
+/// input::InputError.
 BeamPartInput read_beam_part(const std::filesystem::path& file,
-                             const std::vector<std::string>& overrides = {}, const AttachSolid& attach = {});
+                             const std::vector<std::string>& overrides = {}, const AttachSolid& attach = {},
+                             bool run_scripts = false);
 
 }  // namespace flexura::reduce

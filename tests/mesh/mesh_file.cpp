@@ -90,7 +90,7 @@ TEST(MeshFiles, RefusalsSayWhy) {
   EXPECT_THAT(refusal("nowhere.msh"), HasSubstr("nowhere.msh: no such file"));
   EXPECT_THAT(refusal(Scratch("a.msh", "").path()), HasSubstr("a.msh: is empty"));
   EXPECT_THAT(refusal(Scratch("a.msh", "once upon a time\n").path()),
-              HasSubstr("not a gmsh mesh ($MeshFormat is missing)"));
+              HasSubstr("not a gmsh mesh (it does not begin with $MeshFormat)"));
   EXPECT_THAT(refusal(project("tests/mesh/data/gmsh/wedge18.msh")),
               HasSubstr("which have no counterpart here"));
   EXPECT_THAT(

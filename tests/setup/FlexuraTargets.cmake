@@ -61,6 +61,8 @@ endif()
 find_package(PkgConfig REQUIRED)
 # Serial HDF5 on both sides, whatever flavour other packages drag in.
 pkg_check_modules(HDF5_SERIAL REQUIRED IMPORTED_TARGET hdf5-serial)
+# The sandbox of the programs in which gmsh and OpenCASCADE read.
+pkg_check_modules(SECCOMP REQUIRED IMPORTED_TARGET libseccomp)
 
 # Eigen, JSON, GoogleTest and the standard library's heavier headers, read once: 1 to 2.5 s less for each file.  Sources name
 # what they use all the same; the sanitizers' build has no precompiled headers and notices when one does not.

@@ -11,6 +11,7 @@
 #include "import/cad/job.hpp"
 #include "import/cad/worker/worker_assembly.hpp"
 #include "mesh/gmsh/job.hpp"
+#include "mesh/gmsh/worker/sandbox.hpp"
 #include "mesh/gmsh/worker/worker_start.hpp"
 
 namespace flexura::import::cad {
@@ -21,6 +22,11 @@ int work() {
   const AssemblyJob job = nlohmann::json::parse(text).get<AssemblyJob>();
   if (!mesh::start_worker(job.parent)) return 1;
   AssemblyAnswer answer;
+  if (!mesh::enter_sandbox())
+    answer.notes.push_back(
+        "OpenCASCADE works without a sandbox: this kernel has no seccomp filters, which would keep a hostile "
+        "file from programs, "
+        "files and connections");
   try {
     read_step(job, answer);
   } catch (const std::bad_alloc&) {

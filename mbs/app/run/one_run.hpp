@@ -18,7 +18,7 @@ namespace flexura::app {
 struct SimulateArguments : MechanismArguments {
   std::string output, html, end_time, save_state, continue_from, accuracy, checkpoint, interferences;
   bool csv = false, schema = false, reduce = false, no_estimate = false, check_integrator = false,
-       check_elements = false, json = false, output_is_given = false;
+       check_elements = false, json = false, output_is_given = false, run_scripts = false;
 };
 
 /// A run that ended, with what it says about itself beside the usual figures.

@@ -23,8 +23,8 @@ std::unique_ptr<study::PartsOnDemand> provide_parts(SimulateArguments& arguments
     progress.clear();
     terminal::say(stderr, "warning: " + sentence);
   };
-  auto parts =
-      std::make_unique<study::PartsOnDemand>(arguments.file, bin, arguments.cache, std::move(telling));
+  auto parts = std::make_unique<study::PartsOnDemand>(arguments.file, bin, arguments.cache,
+                                                      arguments.run_scripts, std::move(telling));
   const files::StopRequests signals;
   const std::vector<std::string> set = parts->provide(arguments.set, arguments.runs);
   progress.clear();

@@ -9,6 +9,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "mesh/gmsh/msh_file.hpp"
 #include "mesh/model/cells/record.hpp"
 #include "mesh/model/mesh.hpp"
 
@@ -23,8 +24,13 @@ const CellRecord* cell_of(int gmsh_type) {
 
 }  // namespace
 
+void merge_msh(const std::string& path) {
+  if (!begins_as_msh(path)) throw std::runtime_error("is no gmsh mesh (it does not begin with $MeshFormat)");
+  gmsh::merge(path);
+}
+
 void read_mesh(const std::string& path, int dimension_wanted, ResultRecord& result, Arrays& arrays) {
-  gmsh::open(path);
+  merge_msh(path);
   const bool shells = dimension_wanted == 2;
   std::vector<std::size_t> tags;
   std::vector<double> coordinates, parameters;

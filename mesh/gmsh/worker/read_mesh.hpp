@@ -7,7 +7,10 @@
 
 namespace flexura::mesh {
 
-/// Part of the child: opens a mesh file with gmsh and hands over its cells (dimension 3: solids, 2: shells) and physical groups.
+/// Part of the child: gmsh's mesh format by gmsh.  Throws std::runtime_error for what does not begin as one.
+void merge_msh(const std::string& path);
+
+/// Part of the child: reads a mesh file with gmsh and hands over its cells (dimension 3: solids, 2: shells) and physical groups.
 void read_mesh(const std::string& path, int dimension_wanted, ResultRecord& result, Arrays& arrays);
 
 }  // namespace flexura::mesh

@@ -1,8 +1,11 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // flexura-mesh: the child process in which gmsh and OpenCASCADE read and mesh a CAD file (see job.hpp).
+#include <fcntl.h>
 #include <gmsh.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <iostream>
 #include <iterator>
 #include <new>
@@ -10,6 +13,7 @@
 
 #include "mesh/gmsh/job_text.hpp"
 #include "mesh/gmsh/worker/read_mesh.hpp"
+#include "mesh/gmsh/worker/sandbox.hpp"
 #include "mesh/gmsh/worker/worker_curves.hpp"
 #include "mesh/gmsh/worker/worker_picture.hpp"
 #include "mesh/gmsh/worker/worker_planar.hpp"
@@ -23,7 +27,26 @@
 namespace flexura::mesh {
 namespace {
 
-void run(const Job& job, ResultRecord& result, Arrays& arrays) {
+/// The job's file on its descriptor, under the name that gmsh is to read it by.  A script includes others beside it: it keeps
+/// its own.
+void open_file(Job& job) {
+  if (job.path.empty() || job.format == "geo") return;
+  const int opened = open(job.path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (opened < 0) throw std::runtime_error(std::string("cannot be opened: ") + std::strerror(errno));
+  if (opened != kFileDescriptor) {
+    dup2(opened, kFileDescriptor);
+    close(opened);
+  }
+  job.path = kFileOfDescriptor;
+}
+
+void run(Job job, ResultRecord& result, Arrays& arrays) {
+  open_file(job);
+  if (job.format != "geo" && !enter_sandbox())  // a script is code that the user let run
+    result.messages.push_back(
+        "the mesher works without a sandbox: this kernel has no seccomp filters, which would keep a hostile "
+        "file from programs, "
+        "files and connections");
   gmsh::option::setNumber("General.NumThreads", 1);
   gmsh::option::setNumber("General.Terminal", 1);  // into the log descriptor
   gmsh::option::setNumber("General.Verbosity", 3);

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "mesh/gmsh/worker/read_mesh.hpp"
+
 namespace flexura::mesh {
 namespace {
 
@@ -82,8 +84,10 @@ void add_line_elements(int curve, double to_m, std::map<std::size_t, std::int64_
 }  // namespace
 
 void collect_curves(const Job& job, ResultRecord& result, Arrays& arrays) {
-  if (job.format == "msh" || job.format == "geo") {
-    gmsh::open(job.path);
+  if (job.format == "msh") {
+    merge_msh(job.path);
+  } else if (job.format == "geo") {
+    gmsh::merge(job.path);
   } else {
     gmsh::vectorpair imported;
     gmsh::model::occ::importShapes(job.path, imported, true, job.format);

@@ -6,6 +6,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "mesh/gmsh/job.hpp"
+
 // g++ tells the address sanitizer by a macro, clang by a feature.
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer)
@@ -23,7 +25,8 @@ bool start_worker(pid_t parent) {
   setrlimit(RLIMIT_AS, &most);
 #endif
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  return getppid() == parent;  // it may have gone before the line above took hold
+  close_range(kProgressDescriptor + 1, ~0U, 0);  // of files that the parent has open
+  return getppid() == parent;                    // it may have gone before the line above took hold
 }
 
 }  // namespace flexura::mesh

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "mesh/gmsh/worker/stl.hpp"
 #include "mesh/gmsh/worker/triangles.hpp"
 
 namespace flexura::mesh {
@@ -16,16 +17,19 @@ namespace {
 constexpr double kSharp = 40.0 * std::numbers::pi / 180.0;
 constexpr std::size_t kMostTriangles = 500000;
 
-/// gmsh's triangles.
-Triangles take_triangles(double to_m) {
+/// The file's triangles.  Corners nearer to each other than 1e-8 of the part are one; what has less than three is left out.
+Triangles take_triangles(const std::string& path, double to_m) {
+  const std::vector<double> given = read_stl(path, kMostTriangles);
+  if (given.empty()) throw std::runtime_error("holds no triangle; save it again");
   std::vector<std::size_t> tags, cells, nodes;
+  for (std::size_t k = 1; k <= given.size() / 3; ++k) tags.push_back(k);
+  const int face = gmsh::model::addDiscreteEntity(2);
+  gmsh::model::mesh::addNodes(2, face, tags, given);
+  gmsh::model::mesh::addElementsByType(face, 2, {}, tags);
+  gmsh::model::mesh::removeDuplicateNodes();
   std::vector<double> coordinates, parameters;
   gmsh::model::mesh::getNodes(tags, coordinates, parameters, -1, -1, false, false);
   gmsh::model::mesh::getElementsByType(2, cells, nodes);
-  if (cells.empty()) throw std::runtime_error("holds no triangle; save it again");
-  if (cells.size() > kMostTriangles)
-    throw std::runtime_error("has " + std::to_string(cells.size()) +
-                             " triangles; at most 500000 are taken: save it coarser");
   std::map<std::size_t, int> place;
   Triangles out;
   for (std::size_t k = 0; k < tags.size(); ++k) {
@@ -34,8 +38,10 @@ Triangles take_triangles(double to_m) {
     if (!x.allFinite()) throw std::runtime_error("has a vertex that is not finite; save it again");
     out.points.push_back(x);
   }
-  for (std::size_t k = 0; k < cells.size(); ++k)
-    out.corners.push_back({place.at(nodes[3 * k]), place.at(nodes[3 * k + 1]), place.at(nodes[3 * k + 2])});
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const int a = place.at(nodes[3 * k]), b = place.at(nodes[3 * k + 1]), c = place.at(nodes[3 * k + 2]);
+    if (a != b && b != c && c != a) out.corners.push_back({a, b, c});
+  }
   return out;
 }
 
@@ -60,9 +66,7 @@ void give_back(const Triangles& surface, double to_m) {
 }  // namespace
 
 gmsh::vectorpair import_surface(const Job& job, ResultRecord& result) {
-  gmsh::merge(job.path);
-  gmsh::model::mesh::removeDuplicateNodes();
-  Triangles surface = take_triangles(job.to_m);
+  Triangles surface = take_triangles(job.path, job.to_m);
   orient(surface);
   const std::size_t given = surface.corners.size();
   result.solids = {describe_enclosed(surface)};
