@@ -12,6 +12,7 @@
 
 #include "import/cad/job.hpp"
 #include "mbs/base/files/inputs.hpp"
+#include "mbs/base/files/plain_text.hpp"
 #include "mesh/gmsh/child.hpp"
 
 namespace flexura::import::cad {
@@ -39,9 +40,10 @@ class Unpacker {
       require(i.part >= 0 && i.part < static_cast<int>(assembly.parts.size()));
       const Matrix3d R = matrix_of(i.R);
       require((R.transpose() * R - Matrix3d::Identity()).norm() < 1e-6);
-      assembly.instances.push_back({i.part, i.name, i.path, {R, vector_of(i.p)}});
+      assembly.instances.push_back(
+          {i.part, files::plain_text(i.name), files::plain_text(i.path), {R, vector_of(i.p)}});
     }
-    assembly.notes = answer.notes;
+    for (const std::string& note : answer.notes) assembly.notes.push_back(files::plain_text(note));
     return assembly;
   }
 
@@ -54,8 +56,8 @@ class Unpacker {
   }
 
   Part part_of(const PartAnswer& from) const {
-    Part part{.name = from.name,
-              .color = from.color,
+    Part part{.name = files::plain_text(from.name),
+              .color = files::plain_text(from.color),
               .density = from.density,
               .solids = from.solids,
               .volume = from.volume};

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "mbs/base/files/plain_text.hpp"
 #include "mbs/base/math/rotation.hpp"
 
 namespace flexura::import {
@@ -77,9 +78,9 @@ std::string toml(const Vector3d& v) {
 
 std::string toml(const std::string& text) {
   std::string quoted = "\"";
-  for (const char c : text) {
+  for (const char c : files::plain_text(text)) {
     if (c == '"' || c == '\\') quoted += '\\';
-    quoted += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
+    quoted += c;
   }
   return quoted + "\"";
 }

@@ -13,6 +13,7 @@
 #include "mbs/app/run/mechanism_runs.hpp"
 #include "mbs/app/state_space.hpp"
 #include "mbs/base/files/output.hpp"
+#include "mbs/base/files/table_text.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/mechanism/describe.hpp"
 #include "mbs/solver/linear/descriptor.hpp"
@@ -116,7 +117,8 @@ std::filesystem::path write_response(const LinearSystem& system, const Eigen::Ve
   const auto out = std::back_inserter(text);
   for (const std::string& y : system.outputs)
     for (const std::string& u : system.inputs)
-      fmt::format_to(out, ",|{0} / {1}|,phase of {0} / {1} [deg]", y, u);
+      text += "," + files::csv_field(fmt::format("|{} / {}|", y, u)) + "," +
+              files::csv_field(fmt::format("phase of {} / {} [deg]", y, u));
   text += '\n';
   for (Eigen::Index k = 0; k < f.size(); ++k) {
     fmt::format_to(out, "{:.12g}", f(k));

@@ -6,7 +6,7 @@
 
 #include "mbs/app/commands.hpp"
 #include "mbs/base/files/inputs.hpp"
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/view/reports/reduction_report.hpp"
@@ -27,7 +27,7 @@ view::Report read_report(const std::string& file) {
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   nlohmann::json json;
   try {
-    json = nlohmann::json::parse(files::shallow_json(text));
+    json = files::read_json(text);
   } catch (const nlohmann::json::parse_error& failure) {
     // Without the library's own number of the fault, "[json.exception.parse_error.101] ".
     const std::string what = failure.what();

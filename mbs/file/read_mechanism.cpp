@@ -30,7 +30,7 @@ MechanismFile read_mechanism(const std::filesystem::path& file, const input::Tab
   Reader reader(model, file, solver, overrides);
   const input::Section& root = reader.root();
   MechanismDescription& d = model.description;
-  d.name = root.has("name") ? root.text("name") : file.stem().string();
+  d.name = root.title();
   d.gravity = root.vector3("gravity");
   reader.read_bodies();
   reader.read_joints();

@@ -4,27 +4,21 @@
 #include <fstream>
 
 #include "mbs/base/files/output.hpp"
+#include "mbs/base/files/table_text.hpp"
 #include "mbs/results/csv_name.hpp"
 #include "mbs/results/results.hpp"
 
 namespace flexura::results {
 namespace {
 
-// RFC 4180: a field with a comma, a quote or a line break stands in quotes, quotes in it are doubled.
-std::string field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
 void write_run(const Run& run, const std::filesystem::path& path) {
   std::ofstream out(path, std::ios::binary);
   fmt::memory_buffer line;
   fmt::format_to(std::back_inserter(line), "time [s]");
   for (const Quantity& quantity : run.quantities) {
-    fmt::format_to(std::back_inserter(line), ",{}",
-                   field(quantity.name + (quantity.unit.empty() ? "" : " [" + quantity.unit + "]")));
+    fmt::format_to(
+        std::back_inserter(line), ",{}",
+        files::csv_field(quantity.name + (quantity.unit.empty() ? "" : " [" + quantity.unit + "]")));
   }
   line.push_back('\n');
   for (Eigen::Index t = 0; t < run.time.size(); ++t) {

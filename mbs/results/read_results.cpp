@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
+#include "mbs/base/files/plain_text.hpp"
 #include "mbs/base/hdf5/file.hpp"
 #include "mbs/results/results.hpp"
 
@@ -18,7 +19,7 @@ constexpr int format_version = 1;
 
 json parse(const hdf5::Group& group, const std::string& name) {
   try {
-    return json::parse(files::shallow_json(group.read_text(name)));
+    return files::read_json(group.read_text(name));
   } catch (const json::exception&) {
     throw hdf5::BadFile(
         fmt::format("{}/{}: cannot be understood; the file is damaged, make it again", group.label(), name));
@@ -43,7 +44,7 @@ RowMajor read_rows(const hdf5::Series& series, std::size_t n_rows) {
 
 Run read_run(const hdf5::Group& group, const std::string& name) {
   Run run;
-  run.name = name;
+  run.name = files::plain_text(name);
   run.complete = group.integer("complete") != 0;
   run.stopped_because = group.has_attribute("stopped_because")
                             ? group.text("stopped_because")
@@ -125,9 +126,10 @@ Results read(const std::filesystem::path& path) {
       in_order.emplace_back(runs.group(name).integer("order"), name);
     std::sort(in_order.begin(), in_order.end());
     for (const auto& [order, name] : in_order) results.runs.push_back(read_run(runs.group(name), name));
-  } catch (const json::exception& failure) {
+  } catch (const json::exception&) {
     throw hdf5::BadFile(
-        fmt::format("{}: a header lacks an entry ({}); the file is damaged", path.string(), failure.what()));
+        path.string() +
+        ": a header lacks an entry, or has one of another kind; the file is damaged, make it again");
   }
   return results;
 }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "mbs/base/files/table_text.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/study/judge.hpp"
@@ -15,6 +16,7 @@
 namespace flexura::study {
 namespace {
 
+using files::markdown_text;
 using nlohmann::json;
 using terminal::number;
 
@@ -69,12 +71,6 @@ std::string answer(const StudyFile& study, const Designs& designs, const Goal& g
 
 json finite_or_null(double value) {
   return std::isfinite(value) ? json(value) : json(nullptr);
-}
-
-std::string in_quotes(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
 }
 
 }  // namespace
@@ -138,11 +134,11 @@ std::string as_csv(const StudyFile& study, const Designs& designs) {
   for (std::size_t k = 0; k < study.quantities.size(); ++k) {
     const std::string head =
         study.quantities[k].label + (designs.units[k].empty() ? "" : " [" + designs.units[k] + "]");
-    text += "," + in_quotes(head) + "," + in_quotes("uncertainty of " + head);
+    text += "," + files::csv_quoted(head) + "," + files::csv_quoted("uncertainty of " + head);
   }
   text += "\n";
   for (const DesignRow& row : designs.rows) {
-    text += fmt::format("{},{}", in_quotes(row.choice->name), row.cost->steps);
+    text += fmt::format("{},{}", files::csv_quoted(row.choice->name), row.cost->steps);
     for (std::size_t k = 0; k < row.values.size(); ++k)  // what is unknown is left empty
       for (const double value : {row.values[k], row.uncertainty[k]})
         text += std::isnan(value) ? "," : fmt::format(",{:.9g}", value);
@@ -152,23 +148,23 @@ std::string as_csv(const StudyFile& study, const Designs& designs) {
 }
 
 std::string as_markdown(const StudyFile& study, const Designs& designs) {
-  std::string text = fmt::format("## {}\n\n| choice |", study.name), line = "|---|";
+  std::string text = fmt::format("## {}\n\n| choice |", markdown_text(study.name)), line = "|---|";
   for (std::size_t k = 0; k < study.quantities.size(); ++k) {
-    text += fmt::format(" {}{} | known within |", study.quantities[k].label,
-                        designs.units[k].empty() ? "" : " [" + designs.units[k] + "]");
+    text += fmt::format(" {}{} | known within |", markdown_text(study.quantities[k].label),
+                        designs.units[k].empty() ? "" : " \\[" + markdown_text(designs.units[k]) + "\\]");
     line += "---|---|";
   }
   text += "\n" + line + "\n";
   for (const DesignRow& row : designs.rows) {
-    text += fmt::format("| {} |", row.choice->name);
+    text += fmt::format("| {} |", markdown_text(row.choice->name));
     for (std::size_t k = 0; k < row.values.size(); ++k)
       text += fmt::format(" {} | {} |", std::isnan(row.values[k]) ? "failed" : number(row.values[k], 4),
                           std::isnan(row.uncertainty[k]) ? "unknown" : number(row.uncertainty[k], 2));
     text += "\n";
   }
   text += "\n";
-  for (const std::string& words : designs.answers) text += "- " + words + "\n";
-  for (const std::string& words : designs.notes) text += "- " + words + "\n";
+  for (const std::string& words : designs.answers) text += "- " + markdown_text(words) + "\n";
+  for (const std::string& words : designs.notes) text += "- " + markdown_text(words) + "\n";
   return text;
 }
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/results/results.hpp"
 #include "mbs/study/estimate/percent.hpp"
@@ -100,7 +100,7 @@ class Judge {
   // The run's own estimate in the norms of the study; a mean errs no more than the rms, a frequency has none. And whether
   // it judged all in which runs of one study differ.
   double estimate_of(const results::Run& run, Row& row, bool& is_comparable) const {
-    const auto summary = nlohmann::json::parse(files::shallow_json(run.summary_json), nullptr, false);
+    const auto summary = files::try_read_json(run.summary_json);
     if (!summary.is_object() || !summary.contains("estimate")) return -1.0;
     const auto& estimate = summary.at("estimate");
     if (estimate.contains("unknown"))

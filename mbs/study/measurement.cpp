@@ -16,7 +16,7 @@
 #include "mbs/base/documents/content_hash.hpp"
 #include "mbs/base/documents/shown_text.hpp"
 #include "mbs/base/files/inputs.hpp"
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/threads/pool.hpp"
 #include "mbs/file/mechanism_document.hpp"
@@ -343,7 +343,7 @@ class Laboratory {
     if (results.runs.empty())
       throw std::runtime_error(fmt::format("{}: holds no run; remove it, and the study runs \"{}\" again",
                                            m.results.string(), task.name));
-    const json summary = json::parse(files::shallow_json(results.runs.front().summary_json), nullptr, false);
+    const json summary = files::try_read_json(results.runs.front().summary_json);
     if (summary.is_object()) {
       m.solver_wall = summary.value("wall_time", 0.0);
       m.steps = summary.value("steps", 0L);

@@ -370,7 +370,7 @@ StudyFile read_study(const std::filesystem::path& file, const std::vector<std::s
   const in::Section root = in::read_document(file, study_schema(), overrides);
   StudyFile study;
   study.file = file;
-  study.name = root.has("name") ? root.text("name") : file.stem().string();
+  study.name = root.title();
   study.mechanism = root.file("mechanism");
   std::error_code none;
   if (!std::filesystem::is_regular_file(study.mechanism, none))

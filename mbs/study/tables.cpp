@@ -6,12 +6,14 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "mbs/base/files/table_text.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/study/estimate/percent.hpp"
 
 namespace flexura::study {
 namespace {
 
+using files::markdown_text;
 using nlohmann::json;
 
 json json_number(double value) {
@@ -67,21 +69,17 @@ json as_json(const StudyFile& study, const Judgement& judgement, const std::stri
 }
 
 std::string as_csv(const StudyFile& study, const Judgement& judgement) {
-  const auto quoted = [](const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return out + "\"";
-  };
   std::string text =
       "choice,wall [s],cpu [s],peak memory [B],steps,evaluations,reduce wall [s],error,error to finest,on "
       "front";
-  for (const auto& q : study.quantities) text += "," + quoted("error of " + q.label);
+  for (const auto& q : study.quantities) text += "," + files::csv_quoted("error of " + q.label);
   text += "\n";
   for (const Row& row : judgement.rows) {
     const Measurement& c = *row.cost;
-    text += fmt::format("{},{:.6g},{:.6g},{:.0f},{},{},{:.6g},{:.9g},{:.9g},{}", quoted(row.choice->name),
-                        c.median_wall(), c.median_cpu(), c.peak_memory, c.steps, c.evaluations, c.reduce_wall,
-                        row.error.against_reference, row.error.against_finest, row.on_front ? 1 : 0);
+    text += fmt::format("{},{:.6g},{:.6g},{:.0f},{},{},{:.6g},{:.9g},{:.9g},{}",
+                        files::csv_quoted(row.choice->name), c.median_wall(), c.median_cpu(), c.peak_memory,
+                        c.steps, c.evaluations, c.reduce_wall, row.error.against_reference,
+                        row.error.against_finest, row.on_front ? 1 : 0);
     for (const ErrorOf& e : row.errors) text += fmt::format(",{:.9g}", e.against_reference);
     text += "\n";
   }
@@ -89,7 +87,7 @@ std::string as_csv(const StudyFile& study, const Judgement& judgement) {
 }
 
 std::string as_markdown(const StudyFile& study, const Judgement& judgement, const std::string& picture) {
-  std::string text = fmt::format("## {}\n\n", study.name);
+  std::string text = fmt::format("## {}\n\n", markdown_text(study.name));
   if (!picture.empty()) text += fmt::format("![error over time]({})\n\n", picture);
   text += fmt::format(
       "|  | choice | {} [s] | memory | steps | error | of | estimated by the run "
@@ -98,15 +96,17 @@ std::string as_markdown(const StudyFile& study, const Judgement& judgement, cons
   for (const Row& row : judgement.rows) {
     const Measurement& c = *row.cost;
     if (!c.complete) {
-      text += fmt::format("|  | {} | failed: {} |\n", row.choice->name, c.failure);
+      text +=
+          fmt::format("|  | {} | failed: {} |\n", markdown_text(row.choice->name), markdown_text(c.failure));
       continue;
     }
     text += fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
                         row.on_front               ? "**front**"
                         : row.choice->wanted > 0.0 ? "chosen"
                                                    : "",
-                        row.choice->name, terminal::number(row.price, 3), terminal::bytes(c.peak_memory),
-                        c.steps, percent(row.error.against_reference), study.quantities[row.worst].label,
+                        markdown_text(row.choice->name), terminal::number(row.price, 3),
+                        terminal::bytes(c.peak_memory), c.steps, percent(row.error.against_reference),
+                        markdown_text(study.quantities[row.worst].label),
                         row.estimate >= 0.0 ? (row.is_at_least ? ">= " : "") + percent(row.estimate) : "",
                         row.effectivity >= 0.0 ? terminal::number(row.effectivity, 2) : "");
   }
@@ -117,12 +117,13 @@ std::string as_markdown(const StudyFile& study, const Judgement& judgement, cons
     for (const Chosen& c : judgement.chosen)
       text += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", percent(c.wanted),
                           percent(c.row->error.against_reference), c.met() ? "yes" : "**no**",
-                          terminal::number(c.row->price, 3), c.cheapest ? c.cheapest->choice->name : "none",
+                          terminal::number(c.row->price, 3),
+                          c.cheapest ? markdown_text(c.cheapest->choice->name) : "none",
                           c.cheapest ? terminal::number(c.cheapest->price, 3) : "",
                           c.cheapest ? terminal::number(c.cost_ratio(), 3) : "");
   }
   text += fmt::format("\nThe reference is known within {}.\n\n", percent(judgement.largest_uncertainty));
-  for (const std::string& answer : judgement.answers) text += "- " + answer + "\n";
+  for (const std::string& answer : judgement.answers) text += "- " + markdown_text(answer) + "\n";
   return text;
 }
 

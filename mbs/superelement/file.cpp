@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/hdf5/file.hpp"
 #include "mbs/superelement/checks.hpp"
@@ -70,7 +70,7 @@ std::string header_text(const Superelement& se) {
 
 void read_header(const std::string& text, const std::string& label, Superelement& se) {
   try {
-    const json header = json::parse(files::shallow_json(text));
+    const json header = files::read_json(text);
     header.at("name").get_to(se.name);
     header.at("created_by").get_to(se.created_by);
     header.at("n_b").get_to(se.n_b);

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 
 namespace flexura::superelement {
 
@@ -29,7 +29,7 @@ struct LeftOut {
 // The report's "estimate".
 std::vector<LeftOut> left_out_rows(const Superelement& se) {
   std::vector<LeftOut> out;
-  const auto report = nlohmann::json::parse(files::shallow_json(se.report_json), nullptr, false);
+  const auto report = files::try_read_json(se.report_json);
   if (!report.is_object() || !report.contains("estimate") || !report["estimate"].is_array()) return out;
   for (const nlohmann::json& row : report["estimate"]) {
     if (!row.is_object()) continue;

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 #include "mbs/superelement/recovery_file.hpp"
 
 namespace flexura::superelement {
@@ -93,8 +93,7 @@ void read_mesh_error(const Group& root, Superelement& se) {
         {.frequency_hz = frequency(k), .error = of_frequency(k), .stress = stress_of(modes.row(k))});
   std::vector<std::string> names;
   try {
-    names = nlohmann::json::parse(files::shallow_json(group.read_text("interfaces")))
-                .get<std::vector<std::string>>();
+    names = files::read_json(group.read_text("interfaces")).get<std::vector<std::string>>();
   } catch (const nlohmann::json::exception&) {
   }
   if (static_cast<Eigen::Index>(names.size()) != n_loads)

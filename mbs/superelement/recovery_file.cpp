@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 
 namespace flexura::superelement {
 
@@ -118,8 +118,7 @@ void read_sections(const Group& root, Superelement& se) {
   const Group group = root.group("sections");
   SectionForces& sections = se.sections.emplace();
   try {
-    sections.members = nlohmann::json::parse(files::shallow_json(group.read_text("members")))
-                           .get<std::vector<std::string>>();
+    sections.members = files::read_json(group.read_text("members")).get<std::vector<std::string>>();
   } catch (const nlohmann::json::exception&) {
     throw hdf5::BadFile(group.label() + "/members: is no list of names; the file is damaged, make it again");
   }

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 
 namespace flexura::view {
 
@@ -122,7 +122,7 @@ class Shape {
 json parse_body_shapes(const std::string& body, const std::string& shape_json) {
   json shapes = json::array();
   if (shape_json.empty()) return shapes;
-  const json given = json::parse(files::shallow_json(shape_json), nullptr, false);
+  const json given = files::try_read_json(shape_json);
   if (given.is_null()) return shapes;
   if (!given.is_array()) {
     throw std::invalid_argument(fmt::format(

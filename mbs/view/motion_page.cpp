@@ -8,7 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/view/body_shapes.hpp"
 #include "mbs/view/html/page_file.hpp"
@@ -89,7 +89,7 @@ json held_by(const json& frames, const json& connections, const std::string& bod
 
 /// JSON kept in the results, or null where it cannot be read: a page is more useful than a refusal.
 json lenient(const std::string& text) {
-  json value = json::parse(files::shallow_json(text), nullptr, false);
+  json value = files::try_read_json(text);
   return value.is_discarded() ? json() : value;
 }
 

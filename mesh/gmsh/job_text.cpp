@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "mbs/base/files/json_text.hpp"
+
 namespace flexura::mesh {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Job, task, path, format, to_m, solids, fuse, heal, order, size, size_min,
@@ -28,9 +30,11 @@ std::string text_of(const ResultRecord& result) {
 namespace {
 
 template <class T>
-T read(const std::string& text) {
+T read(const std::string& text, void (*prepare)(nlohmann::json&)) {
   try {
-    return nlohmann::json::parse(text).get<T>();
+    auto value = nlohmann::json::parse(text);
+    prepare(value);
+    return value.get<T>();
   } catch (const nlohmann::json::exception& e) {
     throw std::invalid_argument(e.what());
   }
@@ -39,10 +43,10 @@ T read(const std::string& text) {
 }  // namespace
 
 Job read_job(const std::string& text) {
-  return read<Job>(text);
+  return read<Job>(text, [](nlohmann::json&) {});
 }
 ResultRecord read_result(const std::string& text) {
-  return read<ResultRecord>(text);
+  return read<ResultRecord>(text, files::make_plain<nlohmann::json>);  // names of the file
 }
 
 }  // namespace flexura::mesh

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "mbs/base/files/plain_text.hpp"
 #include "mesh/model/cells/cell.hpp"
 #include "mesh/model/geometry.hpp"
 #include "mesh/model/patches.hpp"
@@ -53,9 +54,12 @@ void require_file(const std::filesystem::path& path) {
     throw std::invalid_argument(path.string() + ": is no file; name the file itself");
 }
 
-void require_text(const std::string& line, const Where& where) {
+std::string plain_line(std::string line, const Where& where) {
   if (line.find('\0') != std::string::npos)
     throw std::invalid_argument(where.text() + ": holds a zero character; a text file is wanted");
+  const bool is_plain = std::ranges::none_of(
+      line, [](unsigned char c) { return c >= 0x7F || (c < 0x20 && c != '\t' && c != '\r'); });
+  return is_plain ? line : files::plain_text(line);
 }
 
 void require_positive(double value, const std::string& of, const char* what, const Where& where) {

@@ -26,8 +26,9 @@ struct Where {
 /// reader to tell.
 void require_file(const std::filesystem::path& path);
 
-/// Refuses a line that no text has (std::invalid_argument).
-void require_text(const std::string& line, const Where& where);
+/// A line of a deck as it is read: control characters, of which tabs and carriage returns are none here, are made plain
+/// (mbs/base/files/plain_text.hpp).  Refuses what no text has (std::invalid_argument).
+std::string plain_line(std::string line, const Where& where);
 
 /// Numbers of a deck that a structure cannot have, with the place of the card: std::invalid_argument "deck.inp, line 12:
 /// CBAR 7 has the area -1; it must be above 0".

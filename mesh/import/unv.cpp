@@ -70,7 +70,7 @@ class Reader {
     while (words_.empty()) {
       if (!std::getline(file_, line_)) return false;
       ++number_;
-      require_text(line_, here());
+      line_ = plain_line(std::move(line_), here());
       for (std::size_t k = 0; k < line_.size();) {
         const std::size_t begin = line_.find_first_not_of(" \t\r", k);
         if (begin == std::string::npos) break;

@@ -17,6 +17,7 @@
 #include "mbs/base/files/inputs.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/terminal/command_line.hpp"
+#include "mbs/base/terminal/harmless_stream.hpp"
 #include "mbs/base/threads/pool.hpp"
 #include "reduce/app/attach_solid.hpp"
 #include "reduce/app/beam_modes.hpp"
@@ -292,6 +293,7 @@ int main(int argc, char** argv) {
   std::optional<linalg::Session> session;
   std::optional<linalg::Team> team;
   if (linalg::launch().size > 1) {
+    terminal::guard_standard_streams();  // which PETSc keeps
     session.emplace();
     team.emplace();
     if (team->rank() > 0) {

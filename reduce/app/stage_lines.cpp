@@ -6,10 +6,12 @@
 
 #include <chrono>
 
+#include "mbs/base/terminal/harmless_stream.hpp"
+
 namespace flexura::reduce {
 
 StageLines::StageLines(std::FILE* stream, bool quiet)
-    : StageLines(stream, quiet, isatty(fileno(stream)) != 0, [] {
+    : StageLines(stream, quiet, isatty(terminal::descriptor_of(stream)) != 0, [] {
         return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
       }) {}
 

@@ -103,7 +103,7 @@ BeamPartInput read_beam_part(const std::filesystem::path& file, const std::vecto
                              const AttachSolid& attach, bool run_scripts) {
   const Section in = input::read_document(file, beam_schema(), overrides);
   BeamPartInput part;
-  part.name = in.has("name") ? in.text("name") : file.stem().string();
+  part.name = in.title();
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
   part.source = text.str();

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "mbs/base/documents/document.hpp"
+#include "mbs/base/files/plain_text.hpp"
 #include "reduce/file/part_file.hpp"
 
 namespace flexura::reduce {
@@ -81,7 +82,7 @@ bool is_flexdata_file(const std::filesystem::path& file) {
 
 FlexDataInput read_flexdata_part(const std::filesystem::path& file,
                                  const std::vector<std::string>& overrides) {
-  FlexDataInput part{.name = file.stem().string(), .where = file.string()};
+  FlexDataInput part{.name = files::plain_text(file.stem().string()), .where = file.string()};
   std::string ending = file.extension().string();
   if (ending != ".toml") {
     if (!overrides.empty())
@@ -94,7 +95,7 @@ FlexDataInput read_flexdata_part(const std::filesystem::path& file,
   }
   const input::Section top = input::read_document(file, flexdata_schema(), overrides),
                        in = top.table("flexdata");
-  if (top.has("name")) part.name = top.text("name");
+  part.name = top.title();
   part.source = text_of(file);
   part.where = in.where();
   part.file = in.file("file");

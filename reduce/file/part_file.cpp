@@ -283,7 +283,7 @@ double mass_unit(const std::string& name) {
 PartInput read_part(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
   const Section in = input::read_document(file, part_schema(), overrides);
   PartInput part;
-  part.name = in.has("name") ? in.text("name") : file.stem().string();
+  part.name = in.title();
   part.source = read_text(file);
   const std::string mass = in.text("mass");
   part.mass = mass == "lumped"    ? MassKind::lumped

@@ -134,7 +134,7 @@ std::vector<mesh::PlaneRegion> wall_regions(const mesh::PlaneLoop& midline, doub
 SectionInput read_section_file(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
   const Section in = input::read_document(file, section_file_schema(), overrides);
   SectionInput section;
-  section.name = in.has("name") ? in.text("name") : file.stem().string();
+  section.name = in.title();
   if (in.has("size")) section.planar.size = in.quantity("size");
   const std::map<std::string, double> units = {{"m", 1.0}, {"mm", 1e-3}, {"cm", 1e-2}, {"in", 0.0254}};
   const double unit = units.at(in.text("unit"));

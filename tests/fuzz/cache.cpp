@@ -2,7 +2,7 @@
 // What the cache of a study keeps of a run.
 #include <cmath>
 
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 #include "mbs/study/cache/cache_entry.hpp"
 #include "tests/fuzz/judge.hpp"
 
@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::string text = fuzz::text_of(data, size);
   // The checksum is made to fit, so that mutations reach what stands behind it.
   try {
-    if (auto json = nlohmann::json::parse(files::shallow_json(text), nullptr, false); json.is_object()) {
+    if (auto json = files::try_read_json(text); json.is_object()) {
       json["checksum"] = study::checksum_of(json);
       text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     }

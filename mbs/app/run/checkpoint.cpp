@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "mbs/base/files/inputs.hpp"
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 #include "mbs/base/files/left_behind.hpp"
 #include "mbs/base/files/output.hpp"
 
@@ -150,7 +150,7 @@ json read_whole(const fs::path& file) {
   std::ifstream in(file);
   if (!in) throw std::invalid_argument("there is no such file");
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  json out = json::parse(files::shallow_json(text), nullptr, false);
+  json out = files::try_read_json(text);
   if (out.is_discarded() || !out.is_object() || !out.contains("format") || out["format"] != kFormat)
     throw std::invalid_argument("is not a checkpoint");
   if (!out.contains("checksum") || out["checksum"] != checksum(out))
@@ -193,7 +193,7 @@ Resumption::Resumption(const fs::path& output, const json& identity) : files_(ou
       while (in && next(in, size_, record)) {
         hash.add(packed(record.kind, record.content));
         if (record.kind == run_begins) run = record.content;
-        if (record.kind == run_ends) ends_[run] = json::parse(files::shallow_json(record.content));
+        if (record.kind == run_ends) ends_[run] = files::read_json(record.content);
       }
       if (found.at("rows_checksum").get<std::string>() != hash.hex())
         throw std::invalid_argument("its rows in " + files_.rows.string() + " are damaged or of another run");

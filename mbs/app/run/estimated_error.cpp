@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 #include "mbs/solver/accuracy/integrator_kind.hpp"
 #include "mbs/study/estimate/full_model.hpp"
 #include "mbs/study/estimate/percent.hpp"
@@ -36,7 +36,7 @@ struct DeformationError {
 
 DeformationError deformation_error(const superelement::Superelement& se) {
   DeformationError out;
-  const auto report = nlohmann::json::parse(files::shallow_json(se.report_json), nullptr, false);
+  const auto report = files::try_read_json(se.report_json);
   if (report.is_object() && report.contains("mesh") && report["mesh"].is_object() &&
       report["mesh"].contains("volume_error") && report["mesh"]["volume_error"].is_number())
     out.volume = std::abs(report["mesh"]["volume_error"].get<double>());
@@ -60,7 +60,7 @@ DeformationError deformation_error(const superelement::Superelement& se) {
 }
 
 bool is_of_beams(const superelement::Superelement& se) {
-  const auto report = nlohmann::json::parse(files::shallow_json(se.report_json), nullptr, false);
+  const auto report = files::try_read_json(se.report_json);
   return report.is_object() && report.contains("mesh") && report["mesh"].is_object() &&
          report["mesh"].contains("members");
 }

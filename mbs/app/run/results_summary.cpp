@@ -11,7 +11,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 
 namespace flexura::app {
@@ -140,7 +140,7 @@ std::string summary_text(const results::Results& results, int width, bool colour
     if (!run.complete) warnings.push_back(fmt::format("{} stopped early: {}", run.name, run.stopped_because));
     if (run.time.size() > 0) put(i, "end time [s]", terminal::number(run.time[run.time.size() - 1]));
     put(i, "rows stored", fmt::format("{}", run.time.size()));
-    const auto summary = nlohmann::json::parse(files::shallow_json(run.summary_json), nullptr, false);
+    const auto summary = files::try_read_json(run.summary_json);
     Lines lines;
     if (summary.is_object()) {
       flatten(summary, "", lines);
@@ -193,7 +193,7 @@ nlohmann::json summary_json(const std::string& kind, const results::Results& res
                             {"smallest", values.minCoeff()},
                             {"largest", values.maxCoeff()}});
     }
-    json summary = json::parse(files::shallow_json(run.summary_json), nullptr, false);
+    json summary = files::try_read_json(run.summary_json);
     if (summary.is_discarded()) summary = json::object();
     runs.push_back({{"run", run.name},
                     {"time_s", n_t > 0 ? json(run.time[n_t - 1]) : json()},

@@ -12,6 +12,7 @@
 #include "mbs/base/documents/shown_text.hpp"
 #include "mbs/base/documents/values.hpp"
 #include "mbs/base/files/inputs.hpp"
+#include "mbs/base/files/plain_text.hpp"
 
 // Parses a TOML file, applies the overrides and checks the tree against the schema.  Defaults pass through
 // the same code as values from the file, so a default out of range or of the wrong kind cannot hide.
@@ -26,8 +27,7 @@ std::string wrong_with_name(std::string_view name) {
   if (name.find_first_not_of(" \t") == std::string_view::npos) return "an empty name names nothing";
   if (name.size() > longest)
     return fmt::format("is a name of {} letters, {} are allowed", name.size(), longest);
-  for (const char c : name)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) return "has a control character in its name";
+  if (!files::is_plain_text(name)) return "has a control character in its name";
   if (name.find('/') != std::string_view::npos)
     return "has a \"/\" in its name, which parts names in results";
   return "";
@@ -282,6 +282,9 @@ class Checker {
     for (const auto& [name, child] : *table) {
       const std::string full = join_path(place.path, std::string(name.str()));
       const int line = line_of(name.source()) ? line_of(name.source()) : line_of(child.source());
+      if (!files::is_plain_text(name.str()))
+        values_.refuse({full, line, values_.is_overridden(full), false}, nullptr,
+                       "has a control character in its name", "choose another name");
       entries.push_back({line ? line : std::numeric_limits<int>::max(),
                          {std::string(name.str()),
                           values_.formula(child, entry, {full, line, values_.is_overridden(full), false})}});

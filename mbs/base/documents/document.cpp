@@ -61,6 +61,10 @@ bool Section::has(const std::string& key) const {
 std::string Section::text(const std::string& key) const {
   return get(*data_, key, {Kind::text, Kind::choice, Kind::expression}).text;
 }
+std::string Section::title() const {
+  constexpr std::size_t longest = 200;  // as names
+  return shown_text(has("name") ? text("name") : document().stem().string(), longest);
+}
 bool Section::flag(const std::string& key) const {
   return get(*data_, key, {Kind::flag}).flag;
 }

@@ -27,6 +27,7 @@ class Section {
  public:
   bool has(const std::string& key) const;          ///< stands in the file
   std::string text(const std::string& key) const;  ///< text and choice; the source of an expression
+  std::string title() const;                       ///< its key "name"; without it the file's name
   bool flag(const std::string& key) const;
   int integer(const std::string& key) const;
   double quantity(const std::string& key) const;

@@ -1,7 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/base/documents/shown_text.hpp"
 
-#include <fmt/format.h>
+#include "mbs/base/files/plain_text.hpp"
 
 namespace flexura::input {
 namespace {
@@ -22,34 +22,18 @@ std::string cut(std::string_view text, std::size_t longest, std::size_t kept_at_
   return std::string(text.substr(0, head)) + std::string(gap) + std::string(text.substr(tail));
 }
 
-std::string without_controls(std::string_view text, bool keep_lines) {
-  std::string out;
-  for (const char c : text) {
-    const auto code = static_cast<unsigned char>(c);
-    if (c == '\n' && keep_lines)
-      out += c;
-    else if (c == '\n')
-      out += "\\n";
-    else if (c == '\t')
-      out += ' ';
-    else if (code < 0x20 || code == 0x7F)
-      out += fmt::format("\\x{:02x}", code);
-    else
-      out += c;
-  }
-  return out;
-}
-
 }  // namespace
 
 std::string shown_text(std::string_view text, std::size_t longest) {
   // Cut before and after: a control character takes four.
-  return cut(without_controls(cut(text, longest, longest / 4), false), longest, longest / 4);
+  return cut(files::harmless_text(cut(text, longest, longest / 4), files::LineFeeds::escaped), longest,
+             longest / 4);
 }
 
 std::string shown_message(std::string_view message) {
   constexpr std::size_t remedy = 160;  // which ends the sentence
-  return cut(without_controls(cut(message, 4 * longest_message, 2 * remedy), true), longest_message, remedy);
+  return cut(files::harmless_text(cut(message, 4 * longest_message, 2 * remedy), files::LineFeeds::escaped),
+             longest_message, remedy);
 }
 
 }  // namespace flexura::input

@@ -13,7 +13,7 @@ namespace flexura::input {
 /// (never within a character of UTF-8): begin and end tell more than the begin alone.
 std::string shown_text(std::string_view text, std::size_t longest = 72);
 
-/// A whole message for the terminal: at most 400 bytes, line breaks kept, other control characters as above.
+/// A whole message for the terminal, one sentence on one line: at most 400 bytes, control characters as above.
 std::string shown_message(std::string_view message);
 
 }  // namespace flexura::input

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "mbs/base/documents/shown_text.hpp"
+#include "mbs/base/files/plain_text.hpp"
 
 namespace flexura::input {
 
@@ -108,10 +109,10 @@ std::string ValueReader::wanted(const Key& key) {
 }
 
 std::string ValueReader::text(const toml::node& node, const Key& key, const Place& place) const {
-  if (const auto* value = node.as_string()) return value->get();
+  if (const auto* value = node.as_string()) return files::plain_text(value->get());
   // On the command line quotes are optional: name=12 means the text.
   if (const auto found = overrides_.find(place.path); found != overrides_.end() && node.is_value()) {
-    return found->second;
+    return files::plain_text(found->second);
   }
   if (place.is_default) return key.default_text;
   refuse(place, &node, wanted(key) + " is wanted");

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 
+#include "mbs/base/files/plain_text.hpp"
 #include "mbs/base/hdf5/library.hpp"
 
 namespace flexura::hdf5 {
@@ -85,7 +86,7 @@ std::string Node::text(const std::string& name) const {
   std::string text(size, '\0');
   check(H5Aread(attribute.get(), memory.get(), text.data()), label_);
   text.erase(std::find(text.begin(), text.end(), '\0'), text.end());
-  return text;
+  return files::plain_text(text);
 }
 
 double Node::number(const std::string& name) const {

@@ -15,6 +15,7 @@
 #include "mbs/base/files/signals.hpp"
 #include "mbs/base/hdf5/file.hpp"
 #include "mbs/base/terminal/description.hpp"
+#include "mbs/base/terminal/harmless_stream.hpp"
 #include "mbs/base/terminal/libraries.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 
@@ -325,6 +326,7 @@ namespace {
 // A whole program: its work, and what it printed has left the house.
 int run_guarded(const std::function<int()>& work) {
   files::prepare_process();
+  guard_standard_streams();
   files::guard_inputs();
   return guarded([&] {
     const int code = work();

@@ -12,6 +12,10 @@
 #include <cstring>
 #include <limits>
 
+#include "mbs/base/files/plain_text.hpp"
+#include "mbs/base/terminal/harmless_stream.hpp"
+#include "mbs/base/terminal/sequences.hpp"
+
 namespace flexura::terminal {
 namespace {
 
@@ -37,7 +41,12 @@ double steady_seconds() {
 
 bool is_terminal(std::FILE* stream) {
   const char* term = std::getenv("TERM");
-  return ::isatty(::fileno(stream)) == 1 && !(term && std::strcmp(term, "dumb") == 0);
+  return ::isatty(descriptor_of(stream)) == 1 && !(term && std::strcmp(term, "dumb") == 0);
+}
+
+// What is put between the sequences of ours, which pass: nothing of it is one.
+std::string harmless(std::string_view text) {
+  return files::harmless_text(text, files::LineFeeds::kept);
 }
 
 // A terminal that has gone (SIGHUP) is no reason to lose a run.
@@ -54,7 +63,7 @@ bool takes_colour(std::FILE* stream) {
 
 int width(std::FILE* stream) {
   winsize size{};
-  if (::ioctl(::fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
+  if (::ioctl(descriptor_of(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
   const char* columns = std::getenv("COLUMNS");
   const int given = columns ? std::atoi(columns) : 0;
   return given > 0 ? given : 80;
@@ -78,12 +87,12 @@ std::string folded(const std::string& sentence, int width, int indent) {
 }
 
 int takes_columns(std::FILE* stream) {
-  return ::isatty(::fileno(stream)) == 1 || std::getenv("COLUMNS") ? width(stream)
-                                                                   : std::numeric_limits<int>::max();
+  return ::isatty(descriptor_of(stream)) == 1 || std::getenv("COLUMNS") ? width(stream)
+                                                                        : std::numeric_limits<int>::max();
 }
 
 void say(std::FILE* stream, const std::string& sentence) {
-  put(stream, folded(sentence, takes_columns(stream)) + "\n");
+  put(stream, folded(harmless(sentence), takes_columns(stream)) + "\n");
 }
 
 int display_width(std::string_view text) {
@@ -116,16 +125,18 @@ std::string bytes(double count) {
 }
 
 std::string bold(std::string_view text, bool colour) {
-  return colour ? fmt::format("\033[1m{}\033[0m", text) : std::string(text);
+  return colour ? fmt::format("{}{}{}", kBold, harmless(text), kPlain) : harmless(text);
 }
 std::string red(std::string_view text, bool colour) {
-  return colour ? fmt::format("\033[31;1m{}\033[0m", text) : std::string(text);
+  return colour ? fmt::format("{}{}{}", kRed, harmless(text), kPlain) : harmless(text);
 }
 
 // --- Table -----------------------------------------------------------------------------------------------
 
 void Table::add_row(std::vector<std::string> cells) {
   cells.resize(columns_.size());
+  for (std::string& cell : cells)
+    if (!files::is_plain_text(cell)) cell = files::plain_text(cell);
   rows_.push_back(std::move(cells));
 }
 
@@ -229,8 +240,9 @@ Progress::~Progress() {
   clear();
 }
 
-void Progress::operator()(std::string_view stage, double fraction) {
+void Progress::operator()(std::string_view given, double fraction) {
   if (quiet_) return;
+  const std::string stage = files::plain_text(given);
   const double now = clock_();
   if (stage != stage_) {
     end_stage();
@@ -257,7 +269,7 @@ void Progress::draw(double fraction, double now) {
   } else {
     line += "  " + duration(elapsed);
   }
-  put(stream_, "\r\033[K" + shortened(line, 79));
+  put(stream_, std::string(kClearLine) + shortened(line, 79));
   std::fflush(stream_);
   drawn_ = true;
   last_drawn_ = now;
@@ -265,7 +277,7 @@ void Progress::draw(double fraction, double now) {
 
 void Progress::clear() {
   if (!drawn_) return;
-  put(stream_, "\r\033[K");
+  put(stream_, std::string(kClearLine));
   std::fflush(stream_);
   drawn_ = false;
 }

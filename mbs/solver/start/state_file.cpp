@@ -13,7 +13,7 @@
 #include "mbs/base/documents/content_hash.hpp"
 #include "mbs/base/documents/document.hpp"
 #include "mbs/base/files/inputs.hpp"
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 #include "mbs/solver/start/continuation_file.hpp"
 #include "mbs/superelement/text_file.hpp"
 
@@ -153,7 +153,7 @@ StateChange read_state(const std::filesystem::path& path, const Equations& eq, S
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   Json in;
   try {
-    in = Json::parse(files::shallow_json(text));
+    in = files::read_json<Json>(text);
   } catch (const nlohmann::json::exception& e) {
     throw std::invalid_argument(fmt::format("{}: is not a state file: {}", path.string(), reason(e)));
   }
@@ -211,7 +211,7 @@ void require_whole_continuation(const std::filesystem::path& path) {
   files::require_no_device(path);
   std::ifstream file(path);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const Json in = Json::parse(files::shallow_json(text), nullptr, false);
+  const Json in = files::try_read_json<Json>(text);
   if (!in.is_object()) return;  // read_state() says what it is
   if (!in.contains("continuation")) return;
   if (!in.contains("checksum") || in["checksum"] != checksum(in))

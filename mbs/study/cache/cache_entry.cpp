@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "mbs/base/documents/content_hash.hpp"
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 
 namespace flexura::study {
 namespace {
@@ -58,7 +58,7 @@ std::string content_of(const std::filesystem::path& file) {
 }
 
 std::optional<CacheEntry> cache_entry_of(std::string_view text) {
-  const json in = json::parse(files::shallow_json(text), nullptr, false);
+  const json in = files::try_read_json(text);
   const auto has = [&in](const char* key, auto&& is_right) {
     const auto found = in.find(key);
     return found != in.end() && is_right(*found);

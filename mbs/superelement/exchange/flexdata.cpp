@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "mbs/base/files/inputs.hpp"
+#include "mbs/base/files/plain_text.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
 #include "mbs/superelement/text_file.hpp"
 
@@ -218,7 +219,7 @@ FlexDataBody read_body(const Reader& reader, Block block, int n_nodes, int n_mod
   body.S_xx = words.matrix("S_xx", 3, 3);
   for (int k = 0; k < n_nodes; ++k) {
     words.expect("interface");
-    body.names.push_back(decoded(words.next("a name")));
+    body.names.push_back(files::plain_text(decoded(words.next("a name"))));
     std::vector<Direction>& directions = body.directions.emplace_back();
     for (std::string word; (word = words.next("a direction or \";\"")) != ";";) {
       const auto found = std::find(std::begin(kDirections), std::end(kDirections), word);

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "mbs/base/files/json_depth.hpp"
+#include "mbs/base/files/json_text.hpp"
 #include "mbs/view/html/html.hpp"
 #include "mbs/view/reports/part_drawing.hpp"
 #include "mbs/view/reports/reduction_words.hpp"
@@ -238,7 +238,7 @@ Report reduction_report(const Superelement& se) {
       .summary = fmt::format(
           "{} interface degrees of freedom and {} fixed-interface modes stand for the part.", se.n_b, se.n_q),
       .created_by = se.created_by};
-  const json told = json::parse(files::shallow_json(se.report_json), nullptr, false);
+  const json told = files::try_read_json(se.report_json);
   report.facts = figures_of(told, fmt::format("{} + {}", se.n_b, se.n_q));
   report.facts.insert(report.facts.begin(), {"mass", figure_text(se.inertia.mass, 5) + " kg"});
   add_verdict(report, told);

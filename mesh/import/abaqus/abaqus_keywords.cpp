@@ -43,7 +43,7 @@ class KeywordReader {
     std::string line;
     for (int number = 1; std::getline(file, line); ++number) {
       const Where where{name, number};
-      require_text(line, where);
+      line = plain_line(std::move(line), where);
       if (line.rfind("**", 0) == 0 || trimmed(line).empty()) continue;
       if (line[0] != '*') {
         std::vector<std::string> fields = split(line);
@@ -65,7 +65,7 @@ class KeywordReader {
         std::string more;
         if (!std::getline(file, more)) break;
         ++number;
-        line = trimmed(line) + more;
+        line = trimmed(line) + plain_line(std::move(more), where);
       }
       Keyword keyword{where, "", {}, {}};
       const std::vector<std::string> fields = split(std::string_view(line).substr(1));

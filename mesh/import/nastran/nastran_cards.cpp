@@ -135,8 +135,8 @@ class Deck {
   std::vector<Card> cards;
 
  private:
-  void take(const std::string& raw, const Where& where, const std::filesystem::path& path, int depth) {
-    require_text(raw, where);
+  void take(const std::string& given, const Where& where, const std::filesystem::path& path, int depth) {
+    const std::string raw = plain_line(given, where);
     if (trimmed(raw).empty()) return;
     if (upper(trimmed(raw)).rfind("ENDDATA", 0) == 0) {
       ended_ = true;
