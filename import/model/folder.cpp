@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "mbs/base/files/new_folder.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/superelement/file.hpp"
 
@@ -114,6 +115,27 @@ superelement::Superelement rigid_superelement(const Body& body, const std::strin
   return se;
 }
 
+namespace {
+
+/// The files of a folder that is written as a whole: where that fails, those that are new go again.
+class Begun {
+ public:
+  void expect(const fs::path& file) {
+    std::error_code none;
+    if (!fs::exists(file, none)) new_.push_back(file);
+  }
+  void are_whole() { new_.clear(); }
+  ~Begun() {
+    std::error_code none;
+    for (const fs::path& file : new_) fs::remove(file, none);
+  }
+
+ private:
+  std::vector<fs::path> new_;
+};
+
+}  // namespace
+
 void write_folder(const fs::path& folder, const Mechanism& mechanism, const std::vector<TextFile>& texts,
                   bool force, const std::vector<fs::path>& later) {
   const std::string main_text = mechanism_text(mechanism);
@@ -142,16 +164,17 @@ void write_folder(const fs::path& folder, const Mechanism& mechanism, const std:
     if (fs::is_symlink(file))
       throw std::invalid_argument(
           file.string() + ": is a link, and an import writes inside its folder only; remove the link");
-  std::error_code failure;
-  fs::create_directories(files.size() > 1 ? folder / "parts" : folder, failure);
-  if (failure)
-    throw std::invalid_argument(folder.string() + ": cannot be made: " + failure.message() +
-                                "; name another folder with -o");
+  const files::NewFolder made(files.size() > 1 ? folder / "parts" : folder);
   files::Claims claims;
-  for (const fs::path& file : files) claims.add(file);
+  Begun begun;
+  for (const fs::path& file : files) {
+    claims.add(file);
+    begun.expect(file);
+  }
   for (const TextFile& text : texts) files::write_whole(folder / text.name, text.text);
   for (const auto& [path, se] : parts) superelement::write(path, se);
   files::write_whole(folder / "mechanism.toml", main_text);
+  begun.are_whole();
 }
 
 }  // namespace flexura::import

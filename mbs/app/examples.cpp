@@ -2,8 +2,11 @@
 // `flexura examples`: the cases that come with the programs, listed and copied.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <stdlib.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <optional>
 
@@ -63,6 +66,27 @@ int list(const fs::path& cases) {
   return 0;
 }
 
+// Whole or not at all: copied beside, then renamed.
+void copy_whole(const fs::path& from, const fs::path& to) {
+  const fs::path folder = fs::absolute(to).parent_path();
+  const auto fail = [&](const std::string& why) {
+    throw std::runtime_error(fmt::format(
+        "{}: cannot be written: {}; check the folder, its permissions and the disk", to.string(), why));
+  };
+  std::string part = (folder / (to.filename().string() + ".XXXXXX")).string();
+  if (::mkdtemp(part.data()) == nullptr)
+    throw std::invalid_argument(fmt::format("{}: cannot be written in {}: {}; name another folder by -o",
+                                            to.string(), folder.string(), std::strerror(errno)));
+  std::error_code failure, none;
+  fs::copy(from, part, fs::copy_options::recursive, failure);
+  if (!failure) fs::permissions(part, fs::status(from, none).permissions(), none);
+  if (!failure) fs::rename(part, to, failure);
+  if (failure) {
+    fs::remove_all(part, none);
+    fail(failure.message());
+  }
+}
+
 int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   const fs::path cases = cases_folder();
   if (arguments.name.empty()) {
@@ -80,11 +104,7 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   if (fs::exists(output))
     throw std::invalid_argument(
         fmt::format("{}: is there already; give another folder with -o, or remove it", output.string()));
-  // Whole or not at all: copied beside, then renamed.
-  const fs::path part = fs::path(output).concat(".part");
-  fs::remove_all(part);
-  fs::copy(cases / arguments.name, part, fs::copy_options::recursive);
-  fs::rename(part, output);
+  copy_whole(cases / arguments.name, output);
   if (!verbosity.quiet)
     fmt::print(
         "wrote {}/\nnext: read {}/README.md; the commands are in {}/run, and all of them at once:\n"

@@ -6,6 +6,7 @@
 #include "mbs/app/commands.hpp"
 #include "mbs/app/run/mechanism_runs.hpp"
 #include "mbs/app/urdf/urdf_export.hpp"
+#include "mbs/base/files/new_folder.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/files/place.hpp"
 #include "mbs/base/terminal/terminal.hpp"
@@ -72,7 +73,8 @@ int export_urdf(const Arguments& arguments, const terminal::Verbosity& verbosity
       to_urdf(*only_run(runs, mechanism, "--format urdf").prepared.mechanism, folder.filename().string());
   files::Claims claims;
   claims.add(output);
-  if (!urdf.meshes.empty()) std::filesystem::create_directories(folder);
+  std::optional<files::NewFolder> made;
+  if (!urdf.meshes.empty()) made.emplace(folder);
   for (const auto& [name, content] : urdf.meshes) files::write_whole(folder / name, content);
   files::write_whole(output, urdf.text);
   if (verbosity.quiet) return 0;

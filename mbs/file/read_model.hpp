@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <set>
@@ -36,6 +37,10 @@ struct ReadModel {
   std::map<int, std::shared_ptr<const superelement::Superelement>> with_surface = {};
   std::multimap<int, PatchOfSurface> patches = {};
   std::multimap<int, std::shared_ptr<SurfaceMesh>> meshes = {};  ///< whole surfaces that measures see
+
+  /// Of subsystems, which a few files can place without end.
+  int n_subsystems = 0;
+  std::uintmax_t bytes_of_subsystems = 0;
 
   bool deforms(int body) const { return to_prepare.contains(body) || description.bodies[body].flexible; }
 };

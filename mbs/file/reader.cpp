@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "mbs/bodies/modal_basis.hpp"
 #include "mbs/file/bodies/read_body.hpp"
@@ -23,6 +24,9 @@ namespace {
 using input::Section;
 
 constexpr int deepest = 20;
+// In all: files of 330 bytes that place one another ten times each make 1e12 bodies.
+constexpr int most_subsystems = 1000;
+constexpr std::uintmax_t most_bytes = 10'000'000;
 
 template <class Types>
 const auto& find_type(const Types& types, const std::string& name) {
@@ -157,6 +161,21 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
   if (const auto below = overrides_below_.find(name); below != overrides_below_.end())
     overrides.insert(overrides.end(), below->second.begin(), below->second.end());
   const std::filesystem::path file = s.file("file");
+  if (++model_.n_subsystems > most_subsystems)
+    s.refuse("file",
+             fmt::format("is placed as subsystem number {} of the mechanism; at most {} are taken",
+                         model_.n_subsystems, most_subsystems),
+             "do files place one another?");
+  std::error_code none;
+  if (const std::uintmax_t size = std::filesystem::file_size(file, none);
+      size != static_cast<std::uintmax_t>(-1))
+    model_.bytes_of_subsystems += size;
+  if (model_.bytes_of_subsystems > most_bytes)
+    s.refuse("file",
+             fmt::format("makes {:.3g} MB of text of all subsystems; at most {:.3g} MB are taken",
+                         1e-6 * static_cast<double>(model_.bytes_of_subsystems),
+                         1e-6 * static_cast<double>(most_bytes)),
+             "place fewer or smaller files");
   if (!given.empty()) {
     // A misspelt parameter would be a new one that nothing reads.
     const Section plain = read_file(file, solver_, {});

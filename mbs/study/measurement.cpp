@@ -17,6 +17,7 @@
 #include "mbs/base/documents/shown_text.hpp"
 #include "mbs/base/files/inputs.hpp"
 #include "mbs/base/files/json_text.hpp"
+#include "mbs/base/files/new_folder.hpp"
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/threads/pool.hpp"
 #include "mbs/file/mechanism_document.hpp"
@@ -58,12 +59,7 @@ class Laboratory {
     for (const input::InputFile& file : input::input_files(study_.mechanism)) files::note_input(file.path);
     for (const Part& part : study_.parts)
       for (const input::InputFile& file : input::input_files(part.file)) files::note_input(file.path);
-    std::error_code failure, none;
-    fs::create_directories(study.cache, failure);
-    if (!fs::is_directory(study.cache, none))
-      throw input::InputError(fmt::format(
-          "{}: cache = \"{}\": no folder of this name can be made{}; name another", study.file.string(),
-          input::shown_text(study.cache.string()), failure ? ": " + failure.message() : ""));
+    made_.emplace(study.cache);
     cache_ = fs::absolute(study.cache);
     remove_scratch_left(cache_);
     store_.emplace(cache_, [this](const std::string& words) {
@@ -82,7 +78,11 @@ class Laboratory {
     if (!study_.compares_designs()) wanted.push_back(&study_.reference);
     for (const Check& check : study_.checks) wanted.push_back(&check.choice);
     for (const Choice& choice : study_.finer) wanted.push_back(&choice);
-    for (const Choice* choice : wanted) check_keys(*choice);
+    for (const Choice* choice : wanted) {
+      if (files::StopRequests::wanted())
+        throw Interrupted(std::string("interrupted by ") + files::StopRequests::name());
+      check_keys(*choice);
+    }
 
     std::vector<std::size_t> mine;
     for (std::size_t i = 0; i < wanted.size(); ++i)
@@ -98,6 +98,7 @@ class Laboratory {
     std::vector<std::size_t> unique;
     for (const auto& [key, i] : first) unique.push_back(i);
     std::ranges::sort(unique);
+    made_->keep();  // the runs go on from there
     say("runs", 0.0);
     std::atomic<std::size_t> done{0};
     threads::parallel_for(
@@ -357,6 +358,7 @@ class Laboratory {
   const Programs& programs_;
   const MeasureOptions& options_;
   fs::path cache_;
+  std::optional<files::NewFolder> made_;
   std::optional<StudyCache> store_;
   std::string flexura_, reduce_, machine_;
   std::map<std::string, std::string> refused_;  // why, by the task's key; not kept in the cache

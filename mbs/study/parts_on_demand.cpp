@@ -11,6 +11,7 @@
 #include "mbs/base/documents/content_hash.hpp"
 #include "mbs/base/documents/table_names.hpp"
 #include "mbs/base/files/inputs.hpp"
+#include "mbs/base/files/new_folder.hpp"
 #include "mbs/file/fidelities.hpp"
 #include "mbs/file/mechanism_document.hpp"
 #include "mbs/solver/accuracy/options.hpp"
@@ -207,12 +208,11 @@ void PartsOnDemand::reduce(const std::string& superelement, Part& part) {
   for (const input::InputFile& file : input::input_files(part.file)) files::note_input(file.path);
   const fs::path folder =
       fs::absolute(cache_.empty() ? fs::path(superelement).parent_path() / "reduced" : cache_);
-  std::error_code failure, none;
-  fs::create_directories(folder, failure);
-  if (!fs::is_directory(folder, none))
+  if (cache_.empty() && files::leads_out_of(folder.parent_path(), folder))
     throw input::InputError(
-        fmt::format("{}: no folder of this name can be made for reduced parts{}; name another by --cache",
-                    folder.string(), failure ? ": " + failure.message() : ""));
+        folder.string() +
+        ": is a link that leads out of the part's folder; remove it, or name a folder by --cache");
+  const files::NewFolder made(folder);
   remove_scratch_left(folder);
   const StudyCache store(folder, telling_.note);
   input::ContentHash hash;

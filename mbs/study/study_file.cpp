@@ -8,6 +8,7 @@
 #include <set>
 
 #include "mbs/base/documents/units.hpp"
+#include "mbs/base/files/new_folder.hpp"
 #include "mbs/study/estimate/percent.hpp"
 #include "mbs/study/goals.hpp"
 
@@ -213,6 +214,22 @@ std::vector<Choice> one_at_a_time(const std::vector<Axis>& axes) {
   return choices;
 }
 
+// Before any is made: twelve axes of nine values are 2.8e11 combinations.
+void require_few(const in::Section& root, const std::vector<Axis>& axes, bool one_at_a_time) {
+  constexpr double most = 10'000.0, most_keys = 200'000.0;
+  double combinations = 1.0;
+  for (const Axis& axis : axes) {
+    const auto n = static_cast<double>(axis.choices.size());
+    combinations = one_at_a_time ? combinations + n - 1.0 : combinations * n;
+  }
+  const double keys = combinations * static_cast<double>(axes.size());
+  if (combinations > most || keys > most_keys)
+    root.refuse("axis",
+                fmt::format("{:.3g} choices of {} axes; at most {:g} are taken, with {:g} keys in all",
+                            combinations, axes.size(), most, most_keys),
+                "take fewer values, or ladder = \"one_at_a_time\"");
+}
+
 Choice changed(const Choice& base, const std::string& name, const in::Section& section,
                const std::vector<Part>& parts) {
   Choice choice = base;
@@ -272,6 +289,7 @@ void read_choices(const in::Section& root, StudyFile& study) {
     take_overrides(section, "set", section.texts("set"), study.parts, choice);
     study.choices.push_back(std::move(choice));
   }
+  require_few(root, axes, root.text("ladder") == "one_at_a_time");
   if (!axes.empty()) {
     std::vector<Choice> combined =
         root.text("ladder") == "one_at_a_time" ? one_at_a_time(axes) : all_combinations(axes);
@@ -352,7 +370,9 @@ in::TableSchema study_schema() {
                    "processor time, and ten times as much by the clock")
           .or_default("600 s")
           .above(0.0),
-      in::text("cache", "folder of finished runs and reductions, relative to the study file")
+      in::text("cache",
+               "folder of finished runs and reductions, relative to the study file; in its folder or the "
+               "working folder unless --set names it")
           .or_default("study.cache"),
       in::table_map("part", part_schema(), "parts that the study reduces"),
       in::table_map("axis", axis_schema(), "things to choose; the choices of all are combined"),
@@ -377,6 +397,12 @@ StudyFile read_study(const std::filesystem::path& file, const std::vector<std::s
     root.refuse("mechanism", "there is no such file",
                 "give the mechanism file's path relative to the study file");
   study.cache = root.file("cache");
+  // A file says where it is read, the command line where it is written.
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  if (!root.is_from_command_line("cache") && files::leads_out_of(folder, study.cache) &&
+      files::leads_out_of(".", study.cache))
+    root.refuse("cache", "lies neither in the study file's folder nor in the working folder",
+                "give it on the command line: --set cache=FOLDER");
   if (root.has("run")) study.run = root.text("run");
   study.set = root.texts("set");
   study.cpu_is_cost = root.text("cost") == "cpu";

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "mbs/base/files/inputs.hpp"
+#include "mbs/base/files/new_folder.hpp"
 #include "mbs/base/files/place.hpp"
 #include "mbs/base/files/signals.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
@@ -157,13 +158,10 @@ class VtkWriter {
 // The pictures of a run without their list are in the way: those that are new go where it does not come to
 // that.
 struct Frames {
-  fs::path folder;
   std::vector<fs::path> begun{};
   ~Frames() {
-    if (begun.empty()) return;
     std::error_code none;
     for (const fs::path& file : begun) fs::remove(file, none);
-    fs::remove(folder, none);  // where nothing else is in it
   }
 };
 
@@ -210,15 +208,11 @@ std::vector<fs::path> write_motion_vtk(const fs::path& stem, const results::Resu
     if (run.time.size() == 0) continue;
     const VtkWriter writer(results, run, pictures);
     const fs::path folder = folder_of(stem, run);
-    std::error_code failure;
-    if (!fs::create_directory(folder, failure) && failure)
-      throw std::invalid_argument(
-          fmt::format("{}: the folder of the pictures cannot be made: {}; name another output",
-                      folder.string(), failure.message()));
+    const files::NewFolder made(folder);
     std::string list =
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
     int number = 0;
-    Frames frames{folder};
+    Frames frames;
     for (const Eigen::Index row : thin(run.time.size(), most_frames)) {
       if (files::StopRequests::wanted())
         throw std::runtime_error(fmt::format("interrupted by {}; the list of the pictures is not written",

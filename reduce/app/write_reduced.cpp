@@ -2,12 +2,11 @@
 #include "reduce/app/write_reduced.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cstdio>
-#include <memory>
 #include <system_error>
 
+#include "mbs/base/files/inputs.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/superelement/text_file.hpp"
@@ -17,26 +16,20 @@
 namespace flexura::reduce {
 namespace {
 
-/// Whether a superelement is there whose mesh resolves its part.
-bool is_better(const std::filesystem::path& output) {
+/// Why what lies at the output's place is to stay there, where the new superelement does not resolve its part: it does, or what it is
+/// cannot be told.  Empty where it may go.
+std::string reason_to_keep(const std::filesystem::path& output) {
   std::error_code error;
-  if (!std::filesystem::exists(output, error)) return false;
-  // What is going to be written is not read as an input: a copy is.
-  const std::filesystem::path copy = std::filesystem::temp_directory_path() /
-                                     fmt::format("flexura-{}-{}", getpid(), output.filename().string());
-  const auto remove = [](const std::filesystem::path* file) {
-    std::error_code ignored;
-    std::filesystem::remove(*file, ignored);
-  };
-  const std::unique_ptr<const std::filesystem::path, decltype(remove)> removed(&copy, remove);
+  if (!std::filesystem::exists(output, error)) return "";
+  files::note_own(output);
   try {
-    std::filesystem::copy_file(output, copy);
     const auto mesh =
-        superelement::read(copy, {.matrices = false, .inertia = false, .mesh_error = true}).mesh_error;
-    return mesh && !mesh->modes.empty() && mesh->modes.front().error >= 0.0 &&
-           mesh->modes.front().error < 0.2;
-  } catch (const std::exception&) {
-    return false;  // no superelement, or one without an estimate
+        superelement::read(output, {.matrices = false, .inertia = false, .mesh_error = true}).mesh_error;
+    const bool resolves =
+        mesh && !mesh->modes.empty() && mesh->modes.front().error >= 0.0 && mesh->modes.front().error < 0.2;
+    return resolves ? "which resolves it" : "";
+  } catch (const std::exception& why) {
+    return fmt::format("of which nobody knows whether it does ({})", why.what());
   }
 }
 
@@ -61,10 +54,10 @@ void reduce_and_write(const Input& input, const std::filesystem::path& output, c
                                          .team = options.team,
                                          .petsc = options.petsc,
                                          .factor_in_file = options.factor_in_file});
-  if (!reduced.too_coarse.empty() && is_better(output))
-    throw std::runtime_error(
-        fmt::format("{}; {}, which resolves it, is kept: name another file by -o to write this one",
-                    reduced.too_coarse, output.string()));
+  if (!reduced.too_coarse.empty())
+    if (const std::string why = reason_to_keep(output); !why.empty())
+      throw std::runtime_error(fmt::format("{}; {}, {}, is kept: name another file by -o to write this one",
+                                           reduced.too_coarse, output.string(), why));
   progress("write", 0.0);
   if (!options.mesh.empty()) write_mesh(options.mesh, reduced.mesh, reduced.materials);
   superelement::write(output, reduced.superelement);

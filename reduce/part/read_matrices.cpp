@@ -19,48 +19,78 @@
 namespace flexura::reduce {
 namespace {
 
-/// The next line, however long; false at the end of the file.
-bool read_line(gzFile file, std::string& line) {
-  char buffer[4096];
-  line.clear();
-  while (gzgets(file, buffer, sizeof buffer) != nullptr) {
-    line += buffer;
-    if (line.back() == '\n') return true;
-  }
-  return !line.empty();
+/// Of a packed text no more is unpacked, and of a matrix no more numbers are held, than a file of its size can mean: 13 MB can be
+/// made of 3 GB of blanks.  Matrices as programs print them pack to a third or a tenth.
+double most_of(const std::filesystem::path& path) {
+  std::error_code none;
+  const std::uintmax_t size = std::filesystem::file_size(path, none);
+  return none ? 0.0 : 1e7 + 20.0 * static_cast<double>(size);
 }
+
+/// The lines of a text file, packed by gzip or not.
+class Lines {
+ public:
+  explicit Lines(const std::filesystem::path& path)
+      : path_(path), file_(gzopen(path.c_str(), "rb"), gzclose), most_(most_of(path)) {
+    if (!file_) throw std::invalid_argument(path.string() + ": there is no such file");
+  }
+
+  /// False at the end of the file.
+  bool next(std::string& line) {
+    constexpr std::size_t longest = 2'000'000;  // a row of 20,000 modes has a quarter of that
+    char buffer[4096];
+    line.clear();
+    ++number_;
+    while (gzgets(file_.get(), buffer, sizeof buffer) != nullptr) {
+      line += buffer;
+      if (static_cast<double>(gztell(file_.get())) > most_)
+        refuse("unpacks to more than 20 times the file's size; give the matrix unpacked");
+      if (line.size() > longest) refuse(fmt::format("is longer than {} letters; is this a matrix?", longest));
+      if (line.empty()) refuse("holds a zero character; a text file is wanted");
+      if (line.back() == '\n') return true;
+    }
+    int code = Z_OK;
+    gzerror(file_.get(), &code);
+    if (code != Z_OK && code != Z_STREAM_END) refuse("cannot be unpacked; the file is damaged or cut short");
+    return !line.empty();
+  }
+  int number() const { return number_; }
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw std::invalid_argument(fmt::format("{}, line {}: {}", path_.string(), number_, what));
+  }
+
+ private:
+  std::filesystem::path path_;
+  std::unique_ptr<gzFile_s, int (*)(gzFile)> file_;
+  double most_;  // bytes
+  int number_ = 0;
+};
 
 /// Calls with the numbers of each line that is neither blank nor a comment; commas are blanks.
 void for_each_line(const std::filesystem::path& path,
                    const std::function<void(const std::vector<double>&, int line)>& work) {
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
-  if (!file) throw std::invalid_argument(path.string() + ": there is no such file");
+  Lines lines(path);
   std::vector<double> numbers;
-  std::string text;
-  for (int line = 1; read_line(file.get(), text); ++line) {
+  for (std::string text; lines.next(text);) {
     numbers.clear();
     for (const char* at = text.c_str(); *at != '\0';) {
       while (*at == ',' || std::isspace(static_cast<unsigned char>(*at))) ++at;
       if (*at == '\0' || *at == '#' || *at == '%' || *at == '*') break;
       char* end = nullptr;
       const double value = std::strtod(at, &end);
-      if (end == at)
-        throw std::invalid_argument(fmt::format("{}, line {}: a number is wanted", path.string(), line));
-      if (!std::isfinite(value))
-        throw std::invalid_argument(fmt::format("{}, line {}: an entry is not finite", path.string(), line));
+      if (end == at) lines.refuse("a number is wanted");
+      if (!std::isfinite(value)) lines.refuse("an entry is not finite");
       numbers.push_back(value);
       at = end;
     }
-    if (!numbers.empty()) work(numbers, line);
+    if (!numbers.empty()) work(numbers, lines.number());
   }
 }
 
 /// The words of Matrix Market's first line; empty for other files.
 std::string matrix_market_head(const std::filesystem::path& path) {
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
   std::string head;
-  if (!file || !read_line(file.get(), head) || !head.starts_with("%%MatrixMarket")) return "";
-  return head;
+  return Lines(path).next(head) && head.starts_with("%%MatrixMarket") ? head : "";
 }
 
 constexpr double kUnset = std::numeric_limits<double>::infinity();
@@ -181,6 +211,8 @@ Eigen::MatrixXd read_dense(const std::filesystem::path& path) {
     if (!sized) {
       if (v.size() != (coordinate ? 3U : 2U) || v[0] < 1 || v[1] < 1 || v[0] > 1e9 || v[1] > 1e9)
         refuse("the numbers of rows and columns are wanted");
+      if (v[0] * v[1] > most_of(path))
+        refuse(fmt::format("{:g} x {:g} are more numbers than a file of this size can hold", v[0], v[1]));
       A.setZero(static_cast<Eigen::Index>(v[0]), static_cast<Eigen::Index>(v[1]));
       if (symmetric && A.rows() != A.cols()) refuse("a symmetric matrix has as many columns as rows");
       sized = true;

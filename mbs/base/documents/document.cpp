@@ -58,6 +58,11 @@ bool Section::has(const std::string& key) const {
   return found != data_->values.end() && found->second.in_file;
 }
 
+bool Section::is_from_command_line(const std::string& key) const {
+  const auto found = data_->values.find(key);
+  return found != data_->values.end() && found->second.overridden;
+}
+
 std::string Section::text(const std::string& key) const {
   return get(*data_, key, {Kind::text, Kind::choice, Kind::expression}).text;
 }

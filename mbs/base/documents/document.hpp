@@ -25,7 +25,8 @@ class InputError : public std::runtime_error {
 /// key the schema does not have is a programming error (std::logic_error).
 class Section {
  public:
-  bool has(const std::string& key) const;          ///< stands in the file
+  bool has(const std::string& key) const;  ///< stands in the file
+  bool is_from_command_line(const std::string& key) const;
   std::string text(const std::string& key) const;  ///< text and choice; the source of an expression
   std::string title() const;                       ///< its key "name"; without it the file's name
   bool flag(const std::string& key) const;

@@ -24,7 +24,4 @@ std::shared_ptr<Claimed> claim(const std::filesystem::path& output);
 /// Throws std::invalid_argument where what lies at the output's place has been read.
 void refuse_input(const std::filesystem::path& output, const std::filesystem::path& place);
 
-/// Takes note of a file that this process has made: to read it makes it no input.
-void note_own(const std::filesystem::path& file);
-
 }  // namespace flexura::files

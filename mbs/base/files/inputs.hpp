@@ -22,6 +22,10 @@ void require_no_device(const std::filesystem::path& file);
 /// write; files that it has written itself may be read again.
 void note_input(const std::filesystem::path& file);
 
+/// From now on to read this file makes it no input: one that this process has made, or an output's older one that it looks at before
+/// it is replaced.
+void note_own(const std::filesystem::path& file);
+
 /// The name under which this file was read; nothing where it was not, or does not exist.
 std::optional<std::filesystem::path> input_like(const std::filesystem::path& file);
 

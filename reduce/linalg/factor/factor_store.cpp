@@ -52,6 +52,12 @@ int nameless_file(std::size_t n, const std::filesystem::path& folder) {
   return file;
 }
 
+// TMPDIR; the standard library's own throws without a name where that is no folder.
+std::filesystem::path temporary_folder() {
+  const char* const given = std::getenv("TMPDIR");
+  return given && *given ? given : "/tmp";
+}
+
 char* map(std::size_t n, int flags, int file) {
   void* data = mmap(nullptr, n, PROT_READ | PROT_WRITE, flags, file, 0);
   if (data == MAP_FAILED)
@@ -92,7 +98,7 @@ FactorStore FactorStore::in_file(std::size_t n_bytes, const std::filesystem::pat
   store.n_ = n_bytes;
   store.is_file_ = true;
   if (n_bytes == 0) return store;
-  const int file = nameless_file(n_bytes, folder.empty() ? std::filesystem::temp_directory_path() : folder);
+  const int file = nameless_file(n_bytes, folder.empty() ? temporary_folder() : folder);
   try {
     store.data_ = map(n_bytes, MAP_SHARED, file);
   } catch (...) {

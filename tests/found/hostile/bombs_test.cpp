@@ -1,0 +1,87 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+// Small files that stand for much: subsystems of ten in ten (subsystem_bomb/), studies of 1e11 choices (study/), matrices that
+// unpack without end.  Each is refused within seconds, by the number that it exceeds.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+
+#include "tests/app/command.hpp"
+
+namespace flexura {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Folder;
+using test::Outcome;
+using ::testing::HasSubstr;
+
+std::string sample(const std::string& name) {
+  return std::string(FLEXURA_SOURCE_DIR) + "/tests/found/hostile/" + name;
+}
+
+/// The program may take 2 GB of addresses beside what its libraries map, and a tenth of what it would take to go through all
+/// (hours): 20 s.
+void expect_refused(const std::vector<std::string>& words, const std::string& why) {
+  const auto start = std::chrono::steady_clock::now();
+  const Outcome outcome = test::run("flexura", words);
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr(why));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+}
+
+TEST(Bombs, OfSubsystemsAreCounted) {
+  expect_refused({"check", sample("subsystem_bomb/t0.toml")},
+                 "is placed as subsystem number 1001 of the mechanism");
+  // What a thousand may still hold.
+  const Folder folder;
+  std::string many;
+  for (int k = 0; k < 20; ++k) many += "[subsystem.s" + std::to_string(k) + "]\nfile = \"long.toml\"\n";
+  folder.write("long.toml", "name = \"long\"\n" + std::string(1'000'000, '#') + "\n");
+  const fs::path whole = folder.write("many.toml", many);
+  expect_refused({"check", whole.string()}, "makes 10 MB of text of all subsystems; at most 10 MB are taken");
+}
+
+TEST(Bombs, OfChoicesAreCounted) {
+  expect_refused({"study", sample("study/many.toml")},
+                 "2.82e+11 choices of 12 axes; at most 10000 are taken");
+}
+
+class PackedMatrices : public ::testing::Test {
+ protected:
+  /// A part of finished matrices, of which the stiffness is this text, `times` over, packed.
+  void expect_matrix_refused(const std::string& head, const std::string& piece, int times,
+                             const std::string& why) {
+    folder_.write("nodes.csv", "1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n");
+    folder_.write("M.mtx", "1 1 1\n");
+    const gzFile file = gzopen((folder_ / "K.mtx.gz").c_str(), "wb");
+    gzwrite(file, head.data(), static_cast<unsigned>(head.size()));
+    for (int k = 0; k < times; ++k) gzwrite(file, piece.data(), static_cast<unsigned>(piece.size()));
+    gzclose(file);
+    const fs::path part =
+        folder_.write("part.toml",
+                      "[geometry]\nfile = \"nodes.csv\"\n[matrices]\nstiffness = \"K.mtx.gz\"\nmass = "
+                      "\"M.mtx\"\n[interface.a]\nby = \"nodes\"\nnodes = [1, 2, 3]\n");
+    expect_refused({"reduce", part.string()}, why);
+  }
+  Folder folder_;
+};
+
+TEST_F(PackedMatrices, AreUnpackedAsFarAsTheirSizeCanMean) {
+  const std::string lines(1 << 20, '\n');
+  expect_matrix_refused("", lines, 200, "unpacks to more than 20 times the file's size");
+  std::string ones;
+  while (ones.size() < 1 << 20) ones += "1,1,1,1,1.\n";
+  expect_matrix_refused("", ones, 100, "unpacks to more than 20 times the file's size");
+}
+
+TEST_F(PackedMatrices, HaveLinesOfBoundedLength) {
+  expect_matrix_refused("", std::string(1 << 20, ' '), 200, "line 1: is longer than 2000000 letters");
+  expect_matrix_refused("", std::string(1 << 20, '\0'), 20, "holds a zero character");
+}
+
+}  // namespace
+}  // namespace flexura
