@@ -18,7 +18,8 @@ namespace {
 using Transform = Eigen::Affine3d;
 
 constexpr int kDeepest = 64;
-constexpr std::size_t kMostTriangles = 2000000;
+constexpr std::size_t kMostTriangles = 2000000, kMostVertices = 3 * kMostTriangles;
+constexpr int kMostDrawn = 100000;  // nodes and geometries: a few can show one another without end
 
 class Reader {
  public:
@@ -87,6 +88,7 @@ class Reader {
   }
 
   void draw_node(const Element& node, const Transform& above, int depth) {
+    count(node);
     Transform X = above;
     for (const Element& step : node.children()) {
       const std::string tag = step.tag();
@@ -118,7 +120,15 @@ class Reader {
     draw_children(node, X, depth);
   }
 
+  void count(const Element& element) {
+    if (++n_drawn_ > kMostDrawn)
+      element.refuse(
+          fmt::format("is shown as number {} of what the scene holds; at most {} are taken: save it as STL",
+                      n_drawn_, kMostDrawn));
+  }
+
   void draw_geometry(const Element& geometry, const Transform& X) {
+    count(geometry);
     const auto mesh = geometry.child("mesh");
     if (!mesh) return;  // splines and convex hulls are no pictures
     for (const Element& part : mesh->children()) {
@@ -148,6 +158,8 @@ class Reader {
       std::vector<int> out;
       for (std::size_t k = 0; k + 2 < x.size(); k += stride)
         out.push_back(builder_.vertex(X * Vector3d(x[k], x[k + 1], x[k + 2])));
+      if (builder_.surface.vertices.size() > kMostVertices)
+        builder_.refuse(fmt::format("holds more than {} vertices; save it coarser", kMostVertices));
       return out;
     }
     vertices.refuse("has no <input semantic=\"POSITION\">; save it again, or as STL");
@@ -211,6 +223,7 @@ class Reader {
 
   SurfaceBuilder& builder_;
   std::map<std::string, Element> by_id_;
+  int n_drawn_ = 0;
 };
 
 }  // namespace

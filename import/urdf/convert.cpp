@@ -20,6 +20,9 @@ namespace {
 // gives way by this part of its travel at most.
 constexpr double kStopFrequency_hz = 20.0, kStopDampingRatio = 0.3, kStopYield = 0.01;
 
+// Of all pictures: many links can show one file.
+constexpr std::size_t kMostTriangles = 10'000'000;
+
 bool has_one_coordinate(const Joint& joint) {
   return joint.kind == JointKind::revolute || joint.kind == JointKind::continuous ||
          joint.kind == JointKind::prismatic;
@@ -144,6 +147,10 @@ class Converter {
         for (Vector3d& v : mesh.vertices) v = v.cwiseProduct(visual.size);
         if (visual.size.prod() < 0.0)  // mirrored
           for (Eigen::Vector3i& t : mesh.triangles) std::swap(t[1], t[2]);
+        n_triangles_ += mesh.triangles.size();
+        if (n_triangles_ > kMostTriangles)
+          throw std::invalid_argument(fmt::format(
+              "the pictures before it hold {} triangles, the most that are taken", kMostTriangles));
         body.surface.append(mesh, visual.X_LV);
       } catch (const std::bad_alloc&) {
         throw;
@@ -325,6 +332,7 @@ class Converter {
   std::vector<std::string> joint_names_;
   std::vector<double> q_;
   Eigen::MatrixXd H_;
+  std::size_t n_triangles_ = 0;
   std::vector<int> joint_of_;
   Mechanism result_;
 };

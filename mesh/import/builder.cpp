@@ -62,6 +62,17 @@ std::string plain_line(std::string line, const Where& where) {
   return is_plain ? line : files::plain_text(line);
 }
 
+void Implied::add(std::size_t n, const Where& where) {
+  constexpr std::size_t most = 20'000'000;
+  total_ += std::min(n, most + 1);
+  if (total_ > most)
+    throw std::invalid_argument(
+        fmt::format("{}: generated sets, sets of sets, THRU and instances stand for more than {} nodes and "
+                    "elements in all; are "
+                    "their limits right?",
+                    where.text(), most));
+}
+
 void require_positive(double value, const std::string& of, const char* what, const Where& where) {
   if (!(value > 0 && std::isfinite(value)))
     throw std::invalid_argument(

@@ -30,6 +30,17 @@ void require_file(const std::filesystem::path& path);
 /// (mbs/base/files/plain_text.hpp).  Refuses what no text has (std::invalid_argument).
 std::string plain_line(std::string line, const Where& where);
 
+/// What short lines of a deck stand for beside themselves (generated sets, sets of sets, THRU, a part's instances after the first):
+/// counted before it is made, and bounded, as a deck of a kilobyte can ask for more than any memory holds.
+class Implied {
+ public:
+  /// `n` more nodes, elements or labels.  Throws std::invalid_argument with the place beyond 2e7 in all.
+  void add(std::size_t n, const Where& where);
+
+ private:
+  std::size_t total_ = 0;
+};
+
 /// Numbers of a deck that a structure cannot have, with the place of the card: std::invalid_argument "deck.inp, line 12:
 /// CBAR 7 has the area -1; it must be above 0".
 void require_positive(double value, const std::string& of, const char* what, const Where& where);

@@ -12,6 +12,7 @@ namespace flexura::mesh {
 
 std::ifstream DeckFiles::open(const std::filesystem::path& path, int depth) {
   constexpr int most_files = 1000, deepest = 10;
+  constexpr std::uintmax_t most_again = 1'000'000'000;
   require_file(path);
   files::note_input(path);
   std::ifstream file(path);
@@ -23,6 +24,12 @@ std::ifstream DeckFiles::open(const std::filesystem::path& path, int depth) {
   if (depth > deepest)
     throw std::invalid_argument(fmt::format("{}: {} goes deeper than {} files; a file that includes itself?",
                                             path.string(), keyword_, deepest));
+  if (std::error_code none; names_.contains(path.string()))
+    if (const std::uintmax_t size = std::filesystem::file_size(path, none); !none) bytes_read_again_ += size;
+  if (bytes_read_again_ > most_again)
+    throw std::invalid_argument(
+        fmt::format("{}: {} reads the same files again and again, more than {} bytes of them; is that meant?",
+                    path.string(), keyword_, most_again));
   return file;
 }
 

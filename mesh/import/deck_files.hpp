@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -25,6 +26,7 @@ class DeckFiles {
   std::set<std::string>& names_;
   std::string keyword_;
   int n_files_ = 0;
+  std::uintmax_t bytes_read_again_ = 0;
 };
 
 }  // namespace flexura::mesh

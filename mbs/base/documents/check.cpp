@@ -3,15 +3,13 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <fstream>
 #include <limits>
 
 #include "mbs/base/documents/document.hpp"
-#include "mbs/base/documents/nesting.hpp"
 #include "mbs/base/documents/section_data.hpp"
 #include "mbs/base/documents/shown_text.hpp"
+#include "mbs/base/documents/toml_file.hpp"
 #include "mbs/base/documents/values.hpp"
-#include "mbs/base/files/inputs.hpp"
 #include "mbs/base/files/plain_text.hpp"
 
 // Parses a TOML file, applies the overrides and checks the tree against the schema.  Defaults pass through
@@ -300,47 +298,11 @@ class Checker {
   ValueReader values_;
 };
 
-std::string read_text(const std::filesystem::path& file) {
-  std::error_code failure;
-  const auto status = std::filesystem::status(file, failure);
-  if (!std::filesystem::exists(status)) {
-    std::vector<std::string> neighbours;
-    const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
-    for (std::filesystem::directory_iterator it(folder, failure), end; !failure && it != end;
-         it.increment(failure)) {
-      if (it->path().extension() == ".toml") neighbours.push_back(it->path().filename().string());
-    }
-    const std::string near = nearest(file.filename().string(), neighbours);
-    throw InputError(file.string() + ": there is no such file" +
-                     (near.empty() ? "; check the path" : ", did you mean \"" + near + "\"?"));
-  }
-  if (std::filesystem::is_directory(status))
-    throw InputError(file.string() + ": is a folder, a TOML file is wanted");
-  files::note_input(file);
-  std::ifstream in(file, std::ios::binary);
-  std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  if (!in) throw InputError(file.string() + ": cannot be read; check its permissions");
-  if (text.starts_with("\x89HDF"))
-    throw InputError(file.string() + ": is an HDF5 file, a TOML file is wanted");
-  return text;
-}
-
 }  // namespace
 
 Section read_document(const std::filesystem::path& file, const TableSchema& schema,
                       const std::vector<std::string>& overrides, const FormulaReader& formulas) {
-  const std::string text = read_text(file);
-  if (const auto line = line_nested_too_deep(text))
-    throw InputError(fmt::format("{}:{}: nests deeper than {} tables and lists; no key of ours lies there",
-                                 file.string(), *line, deepest_nesting));
-  toml::table root;
-  try {
-    root = toml::parse(text, file.string());
-  } catch (const toml::parse_error& failure) {
-    throw InputError(fmt::format("{}:{}:{}: is not valid TOML: {}", file.string(),
-                                 failure.source().begin.line, failure.source().begin.column,
-                                 shown_text(failure.description(), 200)));
-  }
+  toml::table root = read_toml(file);
   Overrides applied;
   for (const std::string& entry : overrides) apply_override(root, schema, entry, applied);
   Checker checker(std::make_shared<const std::filesystem::path>(file), applied);

@@ -32,6 +32,14 @@ void append(Part& to, const Part& from) {
   to.data.insert(to.data.end(), from.data.begin(), from.data.end());
 }
 
+/// Nodes, elements and what its sets name.
+std::size_t size_of(const Part& part) {
+  std::size_t size = part.nodes.size() + part.elements.size() + part.others.size();
+  for (const auto* sets : {&part.node_sets, &part.element_sets})
+    for (const auto& [name, labels] : *sets) size += labels.size();
+  return size;
+}
+
 /// Places what a deck says: labels become nodes and cells, names become sets; then sections go to their elements, and ties bind.
 class Placer {
  public:
@@ -51,6 +59,7 @@ class Placer {
 
   PlacedDeck placed_;
   SectionPlacer sections_;
+  Implied implied_;
 };
 
 ImportedModel Placer::build(const std::filesystem::path& path) {
@@ -60,6 +69,10 @@ ImportedModel Placer::build(const std::filesystem::path& path) {
   const std::size_t placed =
       placed_.deck.instances.empty() ? placed_.deck.parts.size() - 1 : placed_.deck.instances.size();
   int scope = 0;
+  std::set<int> known;
+  for (const auto& instance : placed_.deck.instances)
+    if (!known.insert(instance->part).second)
+      implied_.add(size_of(placed_.deck.parts[static_cast<std::size_t>(instance->part)]), instance->where);
   for (const auto& instance : placed_.deck.instances) {
     const std::string prefix = placed > 1 ? instance->name + "." : "";
     Part all = placed_.deck.parts[static_cast<std::size_t>(instance->part)];
@@ -119,6 +132,7 @@ void Placer::take_assembly_set(const AssemblySet& set) {
     for (const std::string& name : set.names) {
       const auto other = find(placed_.set_nodes, name);
       if (other == placed_.set_nodes.end()) throw unknown(name);
+      implied_.add(other->second.size(), set.where);
       nodes.insert(nodes.end(), other->second.begin(), other->second.end());
     }
     auto& all = placed_.set_nodes[upper(set.name)];
@@ -128,6 +142,7 @@ void Placer::take_assembly_set(const AssemblySet& set) {
     for (const std::string& name : set.names) {
       const auto other = find(placed_.set_cells, name);
       if (other == placed_.set_cells.end()) throw unknown(name);
+      implied_.add(other->second.size(), set.where);
       labels.insert(labels.end(), other->second.begin(), other->second.end());
     }
     nodes = placed_.nodes_of_elements(labels);

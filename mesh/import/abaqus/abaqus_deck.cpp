@@ -117,6 +117,7 @@ class Reader {
   void start_instance(const Keyword& k) {
     auto instance = std::make_unique<Instance>();
     instance->name = known(k.get("NAME"));
+    instance->where = k.where;
     const std::string wanted = upper(k.get("PART"));
     for (std::size_t p = 1; p < deck_.parts.size(); ++p)
       if (deck_.parts[p].name == wanted) instance->part = static_cast<int>(p);
@@ -308,6 +309,7 @@ class Reader {
           throw std::invalid_argument(fmt::format(
               "{}: a generated set from {} to {} by {}: labels lie between 0 and {}, at most {} in a set",
               line.where.text(), first, last, step, most * 1000, most));
+        if (last >= first) implied_.add(static_cast<std::size_t>((last - first) / step), line.where);
         for (std::int64_t label = first; label <= last; label += step) set.labels.push_back(label);
         continue;
       }
@@ -329,6 +331,7 @@ class Reader {
       if (found == sets.end())
         throw std::invalid_argument(fmt::format("{}: set \"{}\" names a set \"{}\" that is not defined",
                                                 k.where.text(), set.name, name));
+      implied_.add(found->second.size(), k.where);
       set.labels.insert(set.labels.end(), found->second.begin(), found->second.end());
     }
     auto& own = sets[set.name];
@@ -424,6 +427,7 @@ class Reader {
   Instance* instance_ = nullptr;
   int part_ = 0;
   bool in_step_ = false, in_assembly_ = false, in_material_ = false;
+  Implied implied_;
 };
 
 }  // namespace

@@ -135,6 +135,7 @@ struct Instance {
   std::string name;
   int part = -1;
   Part own;  // nodes and elements given in the instance itself
+  Where where = {};
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Eigen::Vector3d t = Eigen::Vector3d::Zero();
 };

@@ -96,15 +96,17 @@ Eigen::Matrix3d NastranDeck::axes_at(std::int64_t grid, const Where& where) {
   return systems.system(cd, where).axes_at(systems.grid_place(grid, where));
 }
 
-std::vector<std::int64_t> NastranDeck::grid_list(const Card& card, std::size_t first) const {
+std::vector<std::int64_t> NastranDeck::grid_list(const Card& card, std::size_t first) {
   std::vector<std::int64_t> ids;
   for (std::size_t k = first; k < card.fields.size(); ++k) {
     if (card.blank(k)) continue;
     if (card.text(k) == "THRU") {
       const std::int64_t last = card.integer(++k);
       for (auto at = systems.grids().upper_bound(ids.empty() ? 0 : ids.back());
-           at != systems.grids().end() && at->first <= last; ++at)
+           at != systems.grids().end() && at->first <= last; ++at) {
+        implied_.add(1, card.where);
         ids.push_back(at->first);
+      }
     } else {
       ids.push_back(card.integer(k));
     }

@@ -44,7 +44,7 @@ class NastranDeck {
   /// Columns: the displacement axes of a GRID (CD).
   Eigen::Matrix3d axes_at(std::int64_t grid, const Where& where);
   /// The grids of a list that may say "1, THRU, 9".
-  std::vector<std::int64_t> grid_list(const Card& card, std::size_t first) const;
+  std::vector<std::int64_t> grid_list(const Card& card, std::size_t first);
   /// The vector of an orientation: a GRID or three numbers in these axes (columns).
   Eigen::Vector3d orientation(const Card& card, const Eigen::Vector3d& from, const Eigen::Matrix3d& axes);
 
@@ -57,6 +57,7 @@ class NastranDeck {
   void refuse_repeated() const;
 
   std::set<std::string> names_, read_;
+  Implied implied_;
   std::vector<Card> cards_;
   std::map<std::string, std::vector<const Card*>> by_name_;
   std::map<std::int64_t, Index> material_, lamina_;  // lamina: MAT8

@@ -58,7 +58,8 @@ const NastranSystem& NastranSystems::system(std::int64_t id, const Where& where,
   if (found == system_cards_.end())
     throw std::invalid_argument(fmt::format("{}: coordinate system {} is not defined", where.text(), id));
   if (depth > 50)
-    throw std::invalid_argument(fmt::format("{}: coordinate system {} refers to itself", where.text(), id));
+    throw std::invalid_argument(fmt::format(
+        "{}: coordinate system {} stands on more than 50 others, or on itself", where.text(), id));
   const Card& card = *found->second;
   NastranSystem s;
   s.kind = card.name[5];

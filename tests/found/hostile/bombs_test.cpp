@@ -50,6 +50,60 @@ TEST(Bombs, OfChoicesAreCounted) {
                  "2.82e+11 choices of 12 axes; at most 10000 are taken");
 }
 
+/// A part of this deck.
+void expect_deck_refused(const std::string& name, const std::string& deck, const std::string& why) {
+  const Folder folder;
+  folder.write(name, deck);
+  const fs::path part =
+      folder.write("part.toml", "[geometry]\nfile = \"" + name +
+                                    "\"\n[material.m]\nyoung = 1\npoisson = 0\ndensity = 1\n"
+                                    "[interface.a]\nby = \"nodes\"\nnodes = [1]\n");
+  expect_refused({"reduce", part.string()}, why);
+}
+
+TEST(Bombs, OfDecksAreCounted) {
+  const std::string why = "stand for more than 20000000 nodes and elements in all";
+  expect_deck_refused("a.inp", "*NODE\n1,0,0,0\n*NSET, NSET=A, GENERATE\n1,100000000,1\n",
+                      "line 4: generated sets");
+  std::string sets = "*NODE\n1,0,0,0\n*NSET, NSET=A, GENERATE\n1,1000000,1\n*NSET, NSET=B\n";
+  for (int k = 0; k < 30; ++k) sets += "A,A,A,A,A,A,A,A\n";
+  expect_deck_refused("b.inp", sets, why);
+  std::string instances =
+      "*PART, NAME=P\n*NODE\n1,0,0,0\n*NSET, NSET=A, GENERATE\n1,1000000,1\n*END PART\n*ASSEMBLY, NAME=M\n";
+  for (int k = 0; k < 30; ++k)
+    instances += "*INSTANCE, NAME=I" + std::to_string(k) + ", PART=P\n*END INSTANCE\n";
+  expect_deck_refused("c.inp", instances + "*END ASSEMBLY\n", why);
+  std::string grids = "BEGIN BULK\n";
+  for (int k = 1; k <= 10000; ++k) grids += "GRID," + std::to_string(k) + ",,1.,2.,3.\n";
+  for (int k = 0; k < 2500; ++k) grids += "SPC1,1,123,1,THRU,10000\n";
+  expect_deck_refused("d.bdf", grids + "ENDDATA\n", why);
+}
+
+// Nodes of ten in ten that show nothing, and one picture in many links.
+TEST(Bombs, OfPicturesAreCounted) {
+  const Folder folder;
+  std::string scene = "<?xml version=\"1.0\"?><COLLADA><library_nodes>";
+  for (int level = 0; level < 12; ++level) {
+    scene += "<node id=\"n" + std::to_string(level) + "\">";
+    for (int k = 0; k < 10; ++k) scene += "<instance_node url=\"#n" + std::to_string(level + 1) + "\"/>";
+    scene += "</node>";
+  }
+  folder.write("bomb.dae",
+               scene +
+                   "<node id=\"n12\"/></library_nodes><library_visual_scenes><visual_scene id=\"v\"><node "
+                   "id=\"r\"><instance_node url=\"#n0\"/></node></visual_scene></library_visual_scenes>"
+                   "<scene><instance_visual_scene url=\"#v\"/></scene></COLLADA>");
+  const fs::path robot = folder.write("r.urdf",
+                                      "<robot name=\"r\"><link name=\"a\"><inertial><mass "
+                                      "value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" "
+                                      "ixz=\"0\" iyz=\"0\"/></inertial><visual><geometry><mesh "
+                                      "filename=\"bomb.dae\"/></geometry></visual></link></robot>");
+  const auto start = std::chrono::steady_clock::now();
+  const Outcome outcome = test::run("flexura", {"import", robot.string(), "-o", folder / "r"});
+  EXPECT_THAT(outcome.err, HasSubstr("at most 100000 are taken"));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+}
+
 class PackedMatrices : public ::testing::Test {
  protected:
   /// A part of finished matrices, of which the stiffness is this text, `times` over, packed.
