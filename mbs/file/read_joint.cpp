@@ -23,6 +23,15 @@ std::string drive_key(const std::vector<CoordinateInfo>& coordinates, std::size_
   return coordinates.size() == 1 ? "drive" : "drive_" + coordinates[i].name;
 }
 
+/// A quaternion of zeros, as far as it is given; without that it is (1, 0, 0, 0).
+void refuse_no_rotation(const Section& s, const std::vector<CoordinateInfo>& coordinates) {
+  if (coordinates.size() < 4 || coordinates[0].name != "qw" || !s.has("qw") || s.quantity("qw") != 0.0)
+    return;
+  for (const char* key : {"qx", "qy", "qz"})
+    if (s.has(key) && s.quantity(key) != 0.0) return;
+  s.refuse("qw", "qw, qx, qy and qz are all zero, which is no rotation", "qw = 1 is that of no turn");
+}
+
 void refuse_contradicting_drives(const Section& s, const JointDescription& joint) {
   if (!can_be_driven(joint)) return;
   const auto coordinates = joint.joint->coordinates(), speeds = joint.joint->speeds(),
@@ -121,6 +130,7 @@ JointDescription read_joint(const std::string& name, const Section& s, const Rea
     const int k = static_cast<int>(i);
     if (s.has(coordinates[i].name)) joint.initial_coordinates[k] = s.quantity(coordinates[i].name);
   }
+  refuse_no_rotation(s, coordinates);
   refuse_contradicting_drives(s, joint);
   for (std::size_t i = 0; i < speeds.size(); ++i)
     if (s.has(speeds[i].name)) joint.initial_speeds[static_cast<int>(i)] = s.quantity(speeds[i].name);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "mbs/base/files/json_text.hpp"
@@ -38,6 +39,11 @@ struct SeriesOfRun {
 
 RowMajor read_rows(const hdf5::Series& series, std::size_t n_rows) {
   const std::vector<double> values = series.read(n_rows);
+  const auto odd = std::ranges::find_if(values, [](double value) { return !std::isfinite(value); });
+  if (odd != values.end())
+    throw hdf5::BadFile(fmt::format(
+        "{}: number {} of its rows is not finite, which no run writes; the file is damaged, make it again",
+        series.label(), odd - values.begin() + 1));
   const auto width = static_cast<Eigen::Index>(std::max<std::size_t>(series.width(), 1));
   return Eigen::Map<const RowMajor>(values.data(), static_cast<Eigen::Index>(values.size()) / width, width);
 }

@@ -90,6 +90,13 @@ TEST_F(BadMechanism, BarsThatCannotMeetAreRefusedByTheConstraintThatStaysOpen) {
               AllOf(HasSubstr("cannot be assembled"), HasSubstr("right")));
 }
 
+TEST_F(BadMechanism, AQuaternionOfZerosIsNoRotation) {
+  const std::string start = replaced(kFourBar, "type = \"revolute\"\nfrom = \"crank.b\"",
+                                     "type = \"spherical\"\nqw = 0\nqx = 0\nfrom = \"crank.b\"");
+  EXPECT_THAT(refusal(start),
+              HasSubstr("joint.left.qw = 0: qw, qx, qy and qz are all zero, which is no rotation"));
+}
+
 TEST_F(BadMechanism, NegativeMassIsRefused) {
   EXPECT_THAT(refusal(replaced(kFourBar, "mass = 1", "mass = -1")),
               AllOf(HasSubstr("body.crank.mass"), HasSubstr("-1")));

@@ -139,7 +139,12 @@ TEST_F(OddPlaces, AnOptionHasAValue) {
            {"view", results(), "--output", ""},
            {"modes", se(), "--html", ""},
            {"modes", se(), "--clamped", ""},
-           {"eigen", kMechanism, "--pictures", ""}})
+           {"eigen", kMechanism, "--pictures", ""},
+           {"eigen", kMechanism, "--count", ""},
+           {"eigen", kMechanism, "--pictures", mine_ / "e.h5", "--amplitude", ""},
+           {"reduce", kSafe + "beam/h.toml", "-n", ""},
+           {"reduce", kSafe + "beam/h.toml", "--beam-modes", ""},
+           {"reduce", kSafe + "beam/h.toml", "--compare", ""}})
     expect_refused(words, "the value is empty");
   EXPECT_TRUE(is_empty());
 }
@@ -153,6 +158,8 @@ TEST_F(OddPlaces, NumbersOfOptionsHaveLimits) {
   for (const char* amplitude : {"0", "-1", "inf"})
     expect_refused({"eigen", kMechanism, "--frozen", "--pictures", out, "--amplitude", amplitude},
                    "--amplitude is");
+  expect_refused({"eigen", kMechanism, "--frozen", "--pictures", out, "--amplitude", "nan"},
+                 "nan is no number");
   expect_refused({"reduce", kSafe + "beam/h.toml", "--modes", "-5", "-o", out}, "-5 is negative");
   EXPECT_TRUE(is_empty());
 }

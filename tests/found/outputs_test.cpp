@@ -225,7 +225,9 @@ TEST_F(Outputs, SignalsEndAReductionWithoutATrace) {
                       {"reduce", FLEXURA_SOURCE_DIR "/cases/steam_engine/conrod.toml", "-o", f / "c.se.h5"});
     ASSERT_TRUE(wait_for([&] { return fs::exists(f / ".c.se.h5.lock"); }));
     reduce.send(signal);
-    EXPECT_EQ(reduce.wait().exit_code, -1);
+    const Outcome outcome = reduce.wait();
+    EXPECT_EQ(outcome.exit_code, -1);
+    EXPECT_THAT(outcome.err, HasSubstr("error: interrupted by SIG"));
     EXPECT_TRUE(fs::is_empty(f.path()));
   }
 }

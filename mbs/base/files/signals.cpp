@@ -44,12 +44,25 @@ void remove_unfinished() noexcept {
 
 namespace {
 
+std::atomic<pid_t> program{0};  // not what is forked from it
+
+void say_why(int signal) {
+  const char* const why = signal == SIGINT    ? "error: interrupted by SIGINT\n"
+                          : signal == SIGTERM ? "error: interrupted by SIGTERM\n"
+                          : signal == SIGHUP  ? "error: interrupted by SIGHUP\n"
+                          : signal == SIGXCPU
+                              ? "error: interrupted: the processor time that is allowed is over\n"
+                              : "error: interrupted\n";
+  if (program == ::getpid() && ::write(STDERR_FILENO, why, std::strlen(why)) < 0) return;  // nobody listens
+}
+
 extern "C" void end_by(int signal) {
   if (held_back > 0) {
     held_signal = signal;
     return;
   }
   remove_unfinished();
+  say_why(signal);
   std::signal(signal, SIG_DFL);
   ::raise(signal);
 }
@@ -70,6 +83,7 @@ void open_if_closed(int descriptor, const char* onto, int mode) {
 }  // namespace
 
 void prepare_process() {
+  program = ::getpid();
   open_if_closed(STDIN_FILENO, "/dev/null", O_RDONLY);
   open_if_closed(STDOUT_FILENO, "/dev/full", O_WRONLY);  // what is printed is lost, and that is said
   open_if_closed(STDERR_FILENO, "/dev/null", O_WRONLY);

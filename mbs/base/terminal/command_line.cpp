@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <new>
 #include <sstream>
 
@@ -179,7 +180,9 @@ std::string program_help(const Program& program) {
       "\"{0} man | man -l -\" is the manual (\"{0} man COMMAND\" of one), eval \"$({0} completion)\" "
       "completes in bash, "
       "\"{0} completion zsh\" and \"fish\" print theirs.\n"
-      "Exit codes: 0 done, 1 failed or interrupted (what was computed is kept), 2 bad input.\n",
+      "Exit codes: 0 done, 1 failed or interrupted (what was computed is kept), 2 bad input; a signal that "
+      "leaves "
+      "nothing to keep ends the program itself.\n",
       program.name);
   if (!program.examples.empty()) text += "\n" + examples_text(program.examples);
   return wrapped(text, static_cast<std::size_t>(width(stdout)), longest + 4);
@@ -232,6 +235,7 @@ Options& Options::option(const std::string& names, std::string& value, const std
 Options& Options::option(const std::string& names, int& value, const std::string& what,
                          const std::string& doc) {
   impl_->last = impl_->app->add_option(names, value, doc)->type_name(what);
+  impl_->last->check(not_empty);
   if (value >= 0)
     impl_->last->capture_default_str();
   else  // a negative number stands for none: it cannot be given
@@ -245,6 +249,11 @@ Options& Options::option(const std::string& names, double& value, const std::str
                          const std::string& doc) {
   impl_->last = impl_->app->add_option(names, value, doc)->type_name(what);
   if (std::isfinite(value)) impl_->last->capture_default_str();
+  impl_->last->check(not_empty)->check([](const std::string& word) -> std::string {
+    const bool is_none =
+        std::isnan(std::strtod(word.c_str(), nullptr));  // which stands for an option that is not given
+    return is_none ? word + " is no number; give one" : "";
+  });
   impl_->note(names, what, doc);
   return *this;
 }

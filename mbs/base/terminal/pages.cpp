@@ -84,7 +84,7 @@ std::string section_of(const Program& program, const Command& command) {
 
 const char* const kLastSections =
     ".SH EXIT STATUS\n0 done, 1 failed or interrupted (what was computed is kept), 2 bad input (command line "
-    "or files).\n"
+    "or files); a signal that leaves nothing to keep ends the program itself.\n"
     ".SH ENVIRONMENT\n.TP\n\\fBNO_COLOR\\fR\nplain text on terminals too\n.TP\n\\fBCOLUMNS\\fR\n"
     "width of tables where the output is no terminal; default 80\n";
 
