@@ -57,9 +57,9 @@ int print_statics(const Arguments& arguments, const terminal::Verbosity& verbosi
     give_warnings(run);
     note_discretisation(p);
     const mbs::Mechanism& m = *p.mechanism;
+    const auto which = mbs::select_quantities(m, p.file.outputs);
     if (!arguments.save_state.empty()) mbs::write_state(arguments.save_state, m, p.file.name, p.state);
     if (verbosity.quiet && !arguments.json) continue;
-    const auto which = mbs::select_quantities(m, p.file.outputs);
     const auto infos = m.quantities();
     Eigen::VectorXd values(static_cast<Eigen::Index>(which.size()));
     auto scratch = m.make_scratch();

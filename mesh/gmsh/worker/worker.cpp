@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <iostream>
 #include <iterator>
@@ -40,13 +41,22 @@ void open_file(Job& job) {
   job.path = kFileOfDescriptor;
 }
 
-void run(Job job, ResultRecord& result, Arrays& arrays) {
+/// gmsh, ready to read the job's file, and all that this process needs no more given up.
+void start_gmsh(Job& job, ResultRecord& result) {
   open_file(job);
   if (job.format != "geo" && !enter_sandbox())  // a script is code that the user let run
     result.messages.push_back(
         "the mesher works without a sandbox: this kernel has no seccomp filters, which would keep a hostile "
-        "file from programs, "
-        "files and connections");
+        "file from programs, files and connections");
+  // Where there is no sandbox it would leave preferences of its windows in the user's home.
+  const char* const given = std::getenv("HOME");
+  const std::string home = given ? given : "";
+  setenv("HOME", "/proc", 1);
+  gmsh::initialize(0, nullptr, false);
+  given ? setenv("HOME", home.c_str(), 1) : unsetenv("HOME");
+}
+
+void run(const Job& job, ResultRecord& result, Arrays& arrays) {
   gmsh::option::setNumber("General.NumThreads", 1);
   gmsh::option::setNumber("General.Terminal", 1);  // into the log descriptor
   gmsh::option::setNumber("General.Verbosity", 3);
@@ -121,12 +131,12 @@ void write_array(const std::vector<T>& values) {
 
 int work() {
   const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
-  const Job job = read_job(text);
+  Job job = read_job(text);
   if (!start_worker(job.parent)) return 1;
   ResultRecord result;
   Arrays arrays;
   try {
-    gmsh::initialize(0, nullptr, false);
+    start_gmsh(job, result);
     run(job, result, arrays);
   } catch (const std::bad_alloc&) {
     result.error = "asks for more memory than there is; is it damaged?";
