@@ -5,6 +5,7 @@ The judge knows nothing of the programs: a case is its files, its command line a
 """
 
 import os
+import re
 import resource
 import shutil
 import subprocess
@@ -16,6 +17,9 @@ from pathlib import Path
 BIN = Path(os.environ["FLEXURA_BIN"])
 TEXTS = {".toml", ".html", ".md", ".csv", ".json", ".m", ".mtx", ".svg", ".inp", ".bdf", ".dat", ".sid", ".xml", ".urdf",
          ".vtp", ".pvd", ".gltf", ".msh", ".section"}
+# What a text of texts.py would be where it is written as it stands: markup, a command, a formula, by the ending of the output.
+FORGED = {".html": rb"<img src=x|<script>(x\(\)|touch)", ".svg": rb"<img src=x|<script>(x\(\)|touch)", ".md": rb"(?<!\\)<(img src=x|script)|[^\\]\]\(http://x\)",
+          ".m": rb"(?m)^system", ".csv": rb"(?m)(^|,)\"?[=@]", ".bdf": rb"(?m)^(\*NODE|system)", ".sid": rb"(?m)^(\*NODE|system)", ".mtx": rb"(?m)^(\*NODE|system)"}
 SECONDS, BYTES = 60, 4 << 30  # of a case that takes a tenth of a second, of programs that take a tenth of that
 RUNS_ALONE = [".gmshrc", ".gmsh-options", ".gmsh", "gmshrc", ".octaverc", ".bashrc", ".profile", "startup.m", "sitecustomize.py"]
 
@@ -110,12 +114,14 @@ def verdicts(case, folder):
         if before.get(name, b"-") == after.get(name, b"-"):
             continue
         path = Path(name)
-        if "CANARY" in path.name:
+        if path.name.startswith("CANARY"):
             wrong.append(f"ran: {name}")
         elif not (done.returncode == 0 and any(path.match(glob) or Path(glob) in path.parents for glob in case.outputs)):
             wrong.append(f"{'changed' if name in before else 'made'}: {name}")
         elif path.suffix in TEXTS and after[name] and (harm := harm_in(after[name])):
             wrong.append(f"{name} holds {harm}")
+        elif after.get(name) and (forged := re.search(FORGED.get(path.suffix, rb"(?!)"), after[name])):
+            wrong.append(f"{name} holds {forged[0]!r}")
     if wrong:
         wrong.append(f"exit {done.returncode}: {(done.stderr or done.stdout)[-300:]!r}")
     return wrong

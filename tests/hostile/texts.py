@@ -15,16 +15,17 @@ import numpy as np
 from judge import BIN, Case, Folder
 from scripts import HEX, STEEL, toml
 
-PIECES = ["\x1b[2J", "\x1b]0;x\x07", "\x1b[31;1m", "\x1b[1m", "\r\x1b[K", "\x9b31m", "\x85", "\x90q", "\u202e", "\u2066", "\u200f", "\u2028",
-          "\n", "\r\n", "\t", "\x7f", "\x08\x08", "\ufeff", "\U000e0041", "\x00", "\nsystem('touch CANARY_octave');\n% ", "\n$ENDDATA\n",
-          "\n*NODE\n", "-->\n<script>touch</script>", "</script><script>x()</script>", "<img src=x onerror=x()>", "]]>", "&lt;", "| x | y |",
-          "](http://x)", "=cmd|' /C x'!A0", "+1", "-1+1", "@x", "'", '"', "\\", "%s%n%p", "{}", "{0}", "{:>99999999}", "${jndi:x}", "$(x)", "`x`",
-          "..", "../../x", "/", "ünder", "连杆", "👩\u200d🔧", "x" * 300, "x" * 5000]
+TERMINAL = ["\x1b[2J", "\x1b]0;x\x07", "\x1b[31;1m", "\x1b[1m", "\r\x1b[K", "\x9b31m", "\x85", "\x90q", "\u202e", "\u2066", "\u200f", "\u2028",
+            "\n", "\r\n", "\t", "\x7f", "\x08\x08", "\ufeff", "\U000e0041", "\x00"]
+FORGERIES = ["\nsystem('touch CANARY_octave');\n% ", "\nsystem('id')\n", "\n*NODE\n", "\n$ENDDATA\n", "--><script>touch</script>", "</script><script>x()</script>",
+             "<img src=x onerror=x()>", "]]>", "| x | y |", "](http://x)", "=cmd|' /C x'!A0", "@x", "'); system('touch CANARY_octave'); disp('"]
+ODD = ["&lt;", "+1", "-1+1", "'", '"', "\\", "%s%n%p", "{}", "{0}", "{:>99999999}", "${jndi:x}", "$(x)", "`x`", "..", "../../x", "/", "ünder", "连杆", "👩\u200d🔧",
+       "x" * 300, "x" * 5000]
 BROKEN = [b"\x9b31m", b"\xff\xfe", b"\xc3", b"\xed\xa0\x80", b"\xc0\x9b", b"\x80"]
 
 
 def text(rng, most=4):
-    return "".join(rng.choice([rng.choice(PIECES), "name", " "]) for _ in range(rng.randint(1, most)))
+    return "".join(rng.choice([rng.choice(rng.choice([TERMINAL, FORGERIES, ODD])), "name", " "]) for _ in range(rng.randint(1, most)))
 
 
 def raw(rng):

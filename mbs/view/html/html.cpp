@@ -7,11 +7,13 @@
 #include <cmath>
 #include <regex>
 
+#include "mbs/base/files/plain_text.hpp"
+
 namespace flexura::view {
 
 std::string escape_html(std::string_view text) {
   std::string result;
-  for (const char c : text) {
+  for (const char c : files::harmless_text(text, files::LineFeeds::kept)) {
     switch (c) {
       case '<':
         result += "&lt;";
@@ -35,11 +37,22 @@ std::string escape_html(std::string_view text) {
 std::string escape_script(std::string_view json) {
   std::string result;
   result.reserve(json.size());
-  for (const char c : json) {
+  for (std::size_t size = 1; !json.empty(); json.remove_prefix(size)) {
+    const auto c = static_cast<unsigned char>(json.front());
+    size = 1;
     if (c == '<') {
       result += "\\u003c";
+    } else if (c < 0x7F) {
+      result += json.front();
     } else {
-      result += c;
+      const files::Letter letter = files::first_letter(json);
+      size = letter.size;
+      if (!letter.is_whole)
+        result += "\\ufffd";
+      else if (files::is_harmful(letter.code))
+        result += files::escaped(letter.code, true);
+      else
+        result += json.substr(0, size);
     }
   }
   return result;

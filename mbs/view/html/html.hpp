@@ -6,7 +6,8 @@
 
 namespace flexura::view {
 
-/// Text as it may stand in an element or an attribute.
+/// Text as it may stand in an element or an attribute; what a browser would obey, or turn the text round it by, is shown
+/// (mbs/base/files/plain_text.hpp).
 std::string escape_html(std::string_view text);
 
 /// The same of a sentence whose numbers are written as programs do: "1.07e-05" as "1.07\u00b710\u207b\u2075", as in figure_text.  What
@@ -14,7 +15,7 @@ std::string escape_html(std::string_view text);
 std::string sentence_html(std::string_view text);
 
 /// JSON as it may stand in a script element: only "<" can end it or open a comment there, and JSON has
-/// another spelling for it.
+/// another spelling for it, as for what escape_html() shows.
 std::string escape_script(std::string_view json);
 
 /// Digits an engineer reads, in HTML: n significant ones, thin spaces between thousands from 10,000 on,
