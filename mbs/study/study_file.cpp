@@ -215,14 +215,16 @@ std::vector<Choice> one_at_a_time(const std::vector<Axis>& axes) {
 }
 
 // Before any is made: twelve axes of nine values are 2.8e11 combinations.
-void require_few(const in::Section& root, const std::vector<Axis>& axes, bool one_at_a_time) {
+void require_few(const in::Section& root, const std::vector<Axis>& axes, std::size_t named,
+                 bool one_at_a_time) {
   constexpr double most = 10'000.0, most_keys = 200'000.0;
-  double combinations = 1.0;
+  double combinations = axes.empty() ? 0.0 : 1.0;
   for (const Axis& axis : axes) {
     const auto n = static_cast<double>(axis.choices.size());
     combinations = one_at_a_time ? combinations + n - 1.0 : combinations * n;
   }
   const double keys = combinations * static_cast<double>(axes.size());
+  combinations += static_cast<double>(named);
   if (combinations > most || keys > most_keys)
     root.refuse("axis",
                 fmt::format("{:.3g} choices of {} axes; at most {:g} are taken, with {:g} keys in all",
@@ -289,7 +291,7 @@ void read_choices(const in::Section& root, StudyFile& study) {
     take_overrides(section, "set", section.texts("set"), study.parts, choice);
     study.choices.push_back(std::move(choice));
   }
-  require_few(root, axes, root.text("ladder") == "one_at_a_time");
+  require_few(root, axes, study.choices.size(), root.text("ladder") == "one_at_a_time");
   if (!axes.empty()) {
     std::vector<Choice> combined =
         root.text("ladder") == "one_at_a_time" ? one_at_a_time(axes) : all_combinations(axes);

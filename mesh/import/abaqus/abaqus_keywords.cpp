@@ -33,6 +33,14 @@ std::vector<std::string> split(std::string_view line) {
   return fields;
 }
 
+constexpr std::size_t most_letters = 100'000;  // of a keyword with all its parameters
+
+/// Whether the last letter is a comma; what follows it is taken away.
+bool goes_on(std::string& line) {
+  line.erase(line.find_last_not_of(" \t\r") + 1);
+  return line.ends_with(',');
+}
+
 class KeywordReader {
  public:
   explicit KeywordReader(std::set<std::string>& file_names) : files_(file_names, "*INCLUDE") {}
@@ -61,11 +69,14 @@ class KeywordReader {
         continue;
       }
       continued_data_ = false;
-      while (!trimmed(line).empty() && trimmed(line).back() == ',') {  // keyword lines go on after a comma
-        std::string more;
-        if (!std::getline(file, more)) break;
+      std::string more;
+      while (goes_on(line) && std::getline(file, more)) {  // keyword lines go on after a comma
         ++number;
-        line = trimmed(line) + plain_line(std::move(more), where);
+        line += plain_line(std::move(more), where);
+        if (line.size() > most_letters)
+          throw std::invalid_argument(
+              fmt::format("{}: a keyword line of more than {} letters; is the deck damaged?", where.text(),
+                          most_letters));
       }
       Keyword keyword{where, "", {}, {}};
       const std::vector<std::string> fields = split(std::string_view(line).substr(1));

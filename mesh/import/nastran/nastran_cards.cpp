@@ -147,6 +147,10 @@ class Deck {
       if (including_.empty()) including_ = "'";
     } else if (!including_.empty()) {
       including_ += trimmed(raw);
+      constexpr std::size_t longest = 10'000;  // as paths are
+      if (including_.size() > longest)
+        throw std::invalid_argument(fmt::format(
+            "{}: the name of an INCLUDE has more than {} letters; close its quotes", where.text(), longest));
     }
     if (!including_.empty()) {  // a name in quotes may go on over several lines
       const char quote = including_[0];

@@ -48,6 +48,13 @@ TEST(Bombs, OfSubsystemsAreCounted) {
 TEST(Bombs, OfChoicesAreCounted) {
   expect_refused({"study", sample("study/many.toml")},
                  "2.82e+11 choices of 12 axes; at most 10000 are taken");
+  const Folder folder;
+  fs::copy(sample("study/rr.toml"), folder / "rr.toml");
+  std::string named = "mechanism = \"rr.toml\"\n";
+  for (int k = 0; k < 10001; ++k)
+    named += "[choice.c" + std::to_string(k) + "]\nset = [\"parameters.x0=1\"]\n";
+  const fs::path study = folder.write("s.toml", named + "[quantity.a]\nof = \"hinge.angle\"\n");
+  expect_refused({"study", study.string()}, "1e+04 choices of 0 axes; at most 10000 are taken");
 }
 
 /// A part of this deck.
@@ -77,6 +84,11 @@ TEST(Bombs, OfDecksAreCounted) {
   for (int k = 1; k <= 10000; ++k) grids += "GRID," + std::to_string(k) + ",,1.,2.,3.\n";
   for (int k = 0; k < 2500; ++k) grids += "SPC1,1,123,1,THRU,10000\n";
   expect_deck_refused("d.bdf", grids + "ENDDATA\n", why);
+  // Lines that go on for ever.
+  std::string lines = "*NODE\n1,0,0,0\n*NSET, NSET=A,\n", name = "BEGIN BULK\nINCLUDE 'abc\n";
+  for (int k = 0; k < 300000; ++k) lines += "B=C,\n", name += "abcdefghijklmnopqrstuvwxyz\n";
+  expect_deck_refused("e.inp", lines, "a keyword line of more than 100000 letters");
+  expect_deck_refused("f.bdf", name, "the name of an INCLUDE has more than 10000 letters");
 }
 
 // Nodes of ten in ten that show nothing, and one picture in many links.
