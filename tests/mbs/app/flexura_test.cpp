@@ -75,7 +75,7 @@ TEST_F(Flexura, HelpOfEveryCommandFitsEightyColumnsAndHasExamplesAndAVersion) {
   const auto first_line = [](const std::string& text) { return text.substr(0, text.find('\n')); };
   const std::string told = run_program(FLEXURA_BIN_DIR "/flexura --version").out, program = first_line(told);
   for (const char* words : {"\ncompiler: ", "\nlibraries: Eigen 3", "libhdf5", "libsundials",
-                            "\npages for the browser: ", "\nflexura-reduce: "})
+                            "\npages for the browser: ", "\nflexura-reduce: ", "\nsandbox of flexura-mesh"})
     EXPECT_THAT(told, HasSubstr(words));
   std::istringstream overview(flexura("--help").out);
   std::vector<std::string> commands;
