@@ -65,6 +65,18 @@ const MeshError::Interface* worst_interface(const MeshError& error) {
   return worst != error.interfaces.end() && worst->compliance_error >= 0.0 ? &*worst : nullptr;
 }
 
+bool is_resolved(double worst, bool rough) {
+  // What is known only to a factor of five does not say that much.
+  return worst < (rough ? 1.0 : 0.2);
+}
+
+bool is_resolved(const MeshError& error) {
+  double worst = error.modes.empty() ? -1.0 : error.modes.front().error;
+  if (const MeshError::Interface* interface = worst_interface(error))
+    worst = std::max(worst, interface->compliance_error);
+  return worst >= 0.0 && is_resolved(worst, error.rough);
+}
+
 std::string percent_words(double error) {
   if (!(error >= 0.0)) return "unknown";
   if (error < kRoundOff) return "0";

@@ -23,6 +23,13 @@ FrequencyError first_frequency_error(const Superelement& se);
 /// The judged interface whose static compliance the mesh makes worst, and by how much; none: nullptr.
 const MeshError::Interface* worst_interface(const MeshError& error);
 
+/// Whether a mesh resolves its part where `worst` is the greatest error of its first frequency and of its interfaces' compliance;
+/// `rough`: known to a factor of five only.
+bool is_resolved(double worst, bool rough);
+
+/// The same of what was judged; false where nothing was.
+bool is_resolved(const MeshError& error);
+
 /// "1.2", "50 or more", "unknown": an error in per cent.
 std::string percent_words(double error);
 

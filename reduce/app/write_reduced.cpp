@@ -9,6 +9,7 @@
 #include "mbs/base/files/inputs.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/superelement/file.hpp"
+#include "mbs/superelement/known_errors.hpp"
 #include "mbs/superelement/text_file.hpp"
 #include "reduce/app/stage_lines.hpp"
 #include "reduce/part/write_mesh.hpp"
@@ -25,9 +26,7 @@ std::string reason_to_keep(const std::filesystem::path& output) {
   try {
     const auto mesh =
         superelement::read(output, {.matrices = false, .inertia = false, .mesh_error = true}).mesh_error;
-    const bool resolves =
-        mesh && !mesh->modes.empty() && mesh->modes.front().error >= 0.0 && mesh->modes.front().error < 0.2;
-    return resolves ? "which resolves it" : "";
+    return mesh && superelement::is_resolved(*mesh) ? "which resolves it" : "";
   } catch (const std::exception& why) {
     return fmt::format("of which nobody knows whether it does ({})", why.what());
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mbs/superelement/known_errors.hpp"
 #include "reduce/cms/result/reduction.hpp"
 
 namespace flexura::reduce {
@@ -153,8 +154,7 @@ std::string too_coarse(const std::optional<MeshShare>& mesh) {
   if (!mesh) return "";
   double worst = mesh->modes.empty() ? 0.0 : mesh->modes.front().error;
   for (const MeshShare::Interface& interface : mesh->interfaces) worst = std::max(worst, interface.error);
-  // What is known only to a factor of five does not say that much.
-  if (!(worst >= (mesh->rough ? 1.0 : 0.2))) return "";
+  if (superelement::is_resolved(worst, mesh->rough)) return "";
   return fmt::format(
       "the mesh does not resolve the part: its error is estimated at {}; choose a smaller mesh size, or "
       "elements of "

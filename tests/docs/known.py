@@ -88,7 +88,7 @@ def main():
         lacking = [what for what, pattern in (("a question in its first paragraph", r"\A# [^\n]+\n\n[^\n#]+"),
                                               ("a picture", r"!\[[^\]]+\]\([^)]+\.(png|svg)\)"),
                                               ("what to look at", r"\*\*What to look at\.\*\*"),
-                                              ("what it costs", r"\*\*What it costs\.\*\* [A-Z]"))
+                                              ("what it costs", r"\*\*What it costs\.\*\* [A-Z][a-z]"))
                    if not re.search(pattern, text)]
         if lacking:
             failures += 1

@@ -46,6 +46,18 @@ TEST(Faults, NoTemporaryFolderLetsAPoorSuperelementReplaceAGoodOne) {
   }
 }
 
+// Its frequencies are known to 20 %, its static compliance is not.
+TEST(Faults, TheSameReductionTwiceDoesTheSame) {
+  const Folder folder;
+  const std::string output = folder / "o.se.h5";
+  for (int time = 1; time <= 2; ++time) {
+    const Outcome outcome =
+        test::run("flexura", {"reduce", sample("keep_better/bar.toml"), "-q", "-o", output});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("does not resolve the part"));
+  }
+}
+
 TEST(Faults, ASuperelementThatCannotBeReadIsKeptToo) {
   const Folder folder;
   const fs::path output = folder.write("o.se.h5", "\x89HDF\r\n\x1a\n and no more");
