@@ -3,7 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <set>
+#include <map>
+#include <stdexcept>
 
 namespace flexura::mbs {
 namespace {
@@ -28,6 +29,29 @@ OutputRole role_of(Quantity::Kind kind, int component) {
   }
 }
 
+// A free body's joint bears its name: what is of either is one thing.
+const char* owner_of(Quantity::Kind kind) {
+  using K = Quantity::Kind;
+  switch (kind) {
+    case K::measure:
+      return "measure";
+    case K::contact:
+    case K::constraint:
+      return "constraint";
+    case K::input:
+      return "input";
+    case K::control:
+      return "control";
+    case K::force:
+      return "force";
+    case K::momentum:
+    case K::energy:
+      return "whole mechanism";
+    default:
+      return "body or joint";
+  }
+}
+
 input::Dimension unit_of(const MechanismDescription& d, const std::string& signal) {
   const auto given = d.units.find(signal);
   return given == d.units.end() ? dim::none : given->second;
@@ -37,10 +61,17 @@ input::Dimension unit_of(const MechanismDescription& d, const std::string& signa
 
 std::vector<Quantity> list_quantities(const Topology& tree, const ConstraintRows& rows, int n_algebraic) {
   std::vector<Quantity> all;
-  std::set<std::string> taken;
+  std::map<std::string, std::string> taken;  // name, and whose it is
   const auto add = [&](std::string name, input::Dimension dimension, std::string doc, Quantity::Kind kind,
                        int index, int component = 0, bool usual = false) {
-    if (!taken.insert(name).second) return;  // a free body's joint bears its name: "stone.x" is one thing
+    if (const auto [other, is_new] = taken.emplace(name, owner_of(kind)); !is_new) {
+      if (other->second == owner_of(kind)) return;
+      throw std::invalid_argument(
+          fmt::format("\"{}\" is a quantity of a {} and of a {}: two of them have one name, so that results "
+                      "would tell of one only; "
+                      "give one of them another name",
+                      name, other->second, owner_of(kind)));
+    }
     all.push_back({{std::move(name), dimension, std::move(doc), role_of(kind, component)},
                    kind,
                    index,

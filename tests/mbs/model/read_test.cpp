@@ -325,5 +325,22 @@ TEST_F(MechanismFileTest, RefusalsNameLineValueAndRemedy) {
       HasSubstr("a spherical joint has no coordinate that can be acted on alone"));
 }
 
+// Each would hide what the other has.
+TEST_F(MechanismFileTest, TwoElementsWithQuantitiesOfOneNameAreRefused) {
+  const std::string wheel =
+      "[body.wheel]\nmass = 1\ninertia = [1, 1, 1]\n[joint.hinge]\ntype = \"revolute\"\nfrom = "
+      "\"ground\"\nto = \"wheel\"\n";
+  const auto refusal_of = [&](const std::string& more) {
+    return test::refusal_of([&] {
+      const Mechanism m(read(wheel + more).description);
+      m.quantities();
+    });
+  };
+  const std::string spring = "type = \"joint_spring_damper\"\njoint = \"hinge\"\nstiffness = 100\n";
+  EXPECT_THAT(refusal_of("[force.hinge]\n" + spring),
+              HasSubstr("\"hinge.force\" is a quantity of a body or joint and of a force"));
+  EXPECT_EQ(refusal_of("[force.spring]\n" + spring), "accepted");
+}
+
 }  // namespace
 }  // namespace flexura::mbs
