@@ -12,6 +12,7 @@
 #include "mbs/base/files/output.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/solver/algebra/accelerations.hpp"
+#include "mbs/solver/linear/asked_damping.hpp"
 #include "mbs/solver/linear/buckling.hpp"
 #include "mbs/solver/linear/linearise.hpp"
 #include "mbs/solver/linear/mode_noise.hpp"
@@ -53,8 +54,13 @@ void check(const Arguments& a) {
         fmt::format("--amplitude is {:g}, it must be above 0 and at most 1e40", a.amplitude));
 }
 
+nlohmann::json json_of(const std::optional<double>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
 // With the shapes, complex, in the coordinates that are named once.
-nlohmann::json to_json(const NamedRun& run, const std::vector<mbs::NaturalMode>& modes, int count) {
+nlohmann::json to_json(const NamedRun& run, const std::vector<mbs::NaturalMode>& modes,
+                       const mbs::AskedDamping& asked, int count) {
   using nlohmann::json;
   const mbs::Mechanism& m = *run.prepared.mechanism;
   json out = run_json(run);
@@ -68,6 +74,7 @@ nlohmann::json to_json(const NamedRun& run, const std::vector<mbs::NaturalMode>&
                     {"imag_1_s", mode.eigenvalue.imag()},
                     {"frequency_hz", mode.frequency_hz},
                     {"damping", mode.damping},
+                    {"asked_damping", json_of(asked.of(mode))},
                     {"moves_most", moves_most(m, mode.shape.cwiseAbs())},
                     {"shape",
                      {{"real", std::vector(real.begin(), real.end())},
@@ -294,8 +301,11 @@ int print_modes(const Arguments& arguments, const terminal::Verbosity& verbosity
       p.notes.push_back("nothing of the mechanism moves or deforms: it has no natural modes");
     if (std::string lost = mbs::lost_in_round_off(modes); !lost.empty()) p.notes.push_back(std::move(lost));
     note_discretisation(p);
-    std::vector<terminal::Column> columns = {{"no"},     {"real [1/s]"}, {"imag [1/s]"},
-                                             {"f [Hz]"}, {"damping %"},  {"moves most", Align::left}};
+    const mbs::AskedDamping asked(*p.mechanism, p.state);
+    std::vector<terminal::Column> columns = {
+        {"no"}, {"real [1/s]"}, {"imag [1/s]"}, {"f [Hz]"}, {"damping %"}};
+    if (asked.any()) columns.push_back({"asked %"});
+    columns.push_back({"moves most", Align::left});
     std::vector<std::vector<mbs::Whirl>> whirls;
     if (arguments.fixed_axes) {
       const mbs::FixedAxes axes(*p.mechanism, p.state, about);
@@ -312,18 +322,20 @@ int print_modes(const Arguments& arguments, const terminal::Verbosity& verbosity
       if (++index > arguments.count) break;
       const bool is_undamped = std::abs(mode.eigenvalue.real()) < round_off;
       std::vector<std::string> row = {
-          fmt::format("{}", index),
-          number(is_undamped ? 0.0 : mode.eigenvalue.real(), 6),
-          number(mode.eigenvalue.imag(), 6),
-          number(mode.frequency_hz, 6),
-          number(is_undamped && mode.eigenvalue.imag() != 0.0 ? 0.0 : 100.0 * mode.damping, 4),
-          moves_most(*p.mechanism, mode.shape.cwiseAbs())};
+          fmt::format("{}", index), number(is_undamped ? 0.0 : mode.eigenvalue.real(), 6),
+          number(mode.eigenvalue.imag(), 6), number(mode.frequency_hz, 6),
+          number(is_undamped && mode.eigenvalue.imag() != 0.0 ? 0.0 : 100.0 * mode.damping, 4)};
+      if (asked.any()) {
+        const std::optional<double> ratio = asked.of(mode);
+        row.push_back(ratio ? number(100.0 * *ratio, 4) : "");
+      }
+      row.push_back(moves_most(*p.mechanism, mode.shape.cwiseAbs()));
       if (arguments.fixed_axes) row.push_back(text_of(whirls[static_cast<std::size_t>(index - 1)]));
       table.add_row(std::move(row));
     }
     const bool talks = !verbosity.quiet && !arguments.json;
     if (arguments.json) {
-      list.push_back(to_json(run, modes, arguments.count));
+      list.push_back(to_json(run, modes, asked, arguments.count));
       list.back()["about"] = name_of(about.verdict);
       list.back()["axes"] = about.axes;
       list.back()["stability"] = mbs::name_of(stability.verdict);

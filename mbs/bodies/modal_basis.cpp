@@ -262,16 +262,21 @@ void set_damping(const superelement::Superelement& se, const DampingLaw& law, co
     own = of_matrix;
   }
   const VectorXd of_ratios = modal_damping(law, modes.omega2, own) - of_matrix;
-  if (modes.C.size() == 0 && D.size() == 0) {
+  // d_k = 2 zeta_k omega_k.
+  const bool asks = D.size() == 0;
+  if (asks)
+    data.asked_damping = (0.5 * of_ratios.array() * modes.omega2.array().sqrt()).matrix().asDiagonal();
+  if (modes.C.size() == 0 && asks) {
     data.damping = of_ratios;
     return;
   }
-  if (D.size() == 0) D.setZero(own.size(), own.size());
+  if (asks) D.setZero(own.size(), own.size());
   if (modes.C.size() == 0) {
     D.diagonal() += of_ratios;
   } else {
     const MatrixXd inverse = modes.C.partialPivLu().inverse();
     D += inverse.transpose() * of_ratios.asDiagonal() * inverse;
+    if (asks) data.asked_damping = inverse.transpose() * data.asked_damping * inverse;
   }
   D = (0.5 * (D + D.transpose())).eval();
   data.damping = D.diagonal();

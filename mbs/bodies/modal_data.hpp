@@ -41,6 +41,9 @@ struct ModalData {
   Eigen::VectorXd stiffness;               ///< m: omega_i^2 for mass-normalised modes
   Eigen::VectorXd damping;                 ///< m: the diagonal of D_e
   Eigen::MatrixXd damping_coupling = {};   ///< m x m: D_e beside its diagonal; empty: D_e is diagonal
+  /// m x m: C^-T diag(zeta_k omega_k^2) C^-1 of the ratios zeta_k that are asked of eigenmodes s = C c; empty where D_e is made of
+  /// D_se.
+  Eigen::MatrixXd asked_damping = {};
   std::vector<FlexibleNode> nodes;
   Eigen::MatrixXd Y;  ///< n_se x m, u_se = Y s
   Coupling coupling = Coupling::full;
