@@ -64,13 +64,16 @@ std::vector<Quantity> list_quantities(const Topology& tree, const ConstraintRows
   std::map<std::string, std::string> taken;  // name, and whose it is
   const auto add = [&](std::string name, input::Dimension dimension, std::string doc, Quantity::Kind kind,
                        int index, int component = 0, bool usual = false) {
-    if (const auto [other, is_new] = taken.emplace(name, owner_of(kind)); !is_new) {
-      if (other->second == owner_of(kind)) return;
+    // A measure with a point in its name is one that an element made of itself: "pull.length" of the force "pull".
+    const bool of_element = kind == Quantity::Kind::measure && name.find('.') != std::string::npos;
+    const std::string owner = of_element ? "" : owner_of(kind);
+    if (const auto [other, is_new] = taken.emplace(name, owner); !is_new) {
+      if (other->second == owner || other->second.empty() || of_element) return;
       throw std::invalid_argument(
           fmt::format("\"{}\" is a quantity of a {} and of a {}: two of them have one name, so that results "
                       "would tell of one only; "
                       "give one of them another name",
-                      name, other->second, owner_of(kind)));
+                      name, other->second, owner));
     }
     all.push_back({{std::move(name), dimension, std::move(doc), role_of(kind, component)},
                    kind,

@@ -76,7 +76,8 @@ const char* const kMiddle =
 TEST_F(BeamStop, FallsAsItsSeriesSays) {
   const int rows = 100;
   const double end = 0.25;
-  const auto p = prepared(text(kMiddle) + moving::solve(end, rows, 1e-7));
+  // The stop excites modes that Radau damps: of the energy 5e-6 are lost at 1e-5, 1.8e-6 at 1e-7, 1.9e-7 here.
+  const auto p = prepared(text(kMiddle) + moving::solve(end, rows, 1e-8));
   const Series run = simulate(p, {"z", "stop.normal_force", "stop.nodes"});
   Eigen::VectorXd y = Eigen::VectorXd::Zero(2 * BeamOnStop::kModes);
   double t = 0.0, highest = 0.0, worst = 0.0, worst_force = 0.0, lowest = 0.0;
