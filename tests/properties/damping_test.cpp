@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <complex>
+#include <limits>
 
 #include "mbs/solver/linear/linearise.hpp"
 #include "mbs/solver/start/prepare.hpp"
@@ -78,27 +79,32 @@ MatrixXd motion_in(const Superelement& se, const superelement::Interface& i, con
 }
 
 // Those of x' = A x with an imaginary part from 0 on.
-std::vector<std::complex<double>> upper(const Eigen::VectorXcd& values) {
+template <class Values>
+std::vector<std::complex<double>> upper(const Values& values) {
   std::vector<std::complex<double>> out;
   for (const auto& value : values)
-    if (value.imag() >= 0.0) out.push_back(value);
+    if (value.imag() >= 0.0)
+      out.emplace_back(static_cast<double>(value.real()), static_cast<double>(value.imag()));
   return out;
 }
 
-// K, D, M where G u = 0: eigenvalues s of s^2 M + s D + K.
+// K, D, M where G u = 0: eigenvalues s of s^2 M + s D + K, in extended precision: double leaves 1e-16 of the largest s^2 in
+// every other, which is 1e-6 of the lowest.
 std::vector<std::complex<double>> right(const Superelement& se, const MatrixXd& D, const MatrixXd& G) {
-  MatrixXd N = MatrixXd::Identity(se.n(), se.n());
-  if (G.rows() > 0) N = G.fullPivLu().kernel();
-  const VectorXd unit = (N.transpose() * se.M_se * N).diagonal().cwiseSqrt().cwiseInverse();
-  N = (N * unit.asDiagonal()).eval();
-  const MatrixXd M = N.transpose() * se.M_se * N;
+  using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  Matrix N = Matrix::Identity(se.n(), se.n());
+  if (G.rows() > 0) N = G.cast<long double>().fullPivLu().kernel();
+  const auto reduced = [&](const MatrixXd& X) -> Matrix { return N.transpose() * X.cast<long double>() * N; };
+  const Matrix M = reduced(se.M_se), K = reduced(se.K_se);
   const Index n = N.cols();
-  MatrixXd A = MatrixXd::Zero(2 * n, 2 * n);
-  A.topRightCorner(n, n).setIdentity();
-  const Eigen::LLT<MatrixXd> llt(M);
-  A.bottomLeftCorner(n, n) = -llt.solve(N.transpose() * se.K_se * N);
-  A.bottomRightCorner(n, n) = -llt.solve(N.transpose() * D * N);
-  return upper(Eigen::EigenSolver<MatrixXd>(A, false).eigenvalues());
+  const Eigen::LLT<Matrix> llt(M);
+  const Matrix squares = llt.solve(K);
+  const long double rate = std::sqrt(squares.norm());  // displacements and speeds of one size
+  Matrix A = Matrix::Zero(2 * n, 2 * n);
+  A.topRightCorner(n, n).diagonal().setConstant(rate);
+  A.bottomLeftCorner(n, n) = -squares / rate;
+  A.bottomRightCorner(n, n) = -llt.solve(reduced(D));
+  return upper(Eigen::EigenSolver<Matrix>(A, false).eigenvalues());
 }
 
 struct Case {
@@ -131,14 +137,35 @@ Case make_case(Chance& chance, const test::Folder& folder, Superelement se, cons
   superelement::write(folder / "part.se.h5", se);
   const mbs::PreparedMechanism p = mbs::prepare(folder.write("m.toml", out.text));
   const mbs::LinearSystem system = mbs::linearise(*p.mechanism, p.state);
-  // Balanced by the sizes of displacements against speeds: eigenvalues are then right to round-off of the largest.
-  out.found = upper(Eigen::EigenSolver<MatrixXd>(system.A, false).eigenvalues());
+  for (const mbs::NaturalMode& mode : mbs::natural_modes(system)) out.found.push_back(mode.eigenvalue);
   out.se = std::move(se);
   return out;
 }
 
-// Each of `right` has one of `found`, but those that are zero.
-void expect_same(std::vector<std::complex<double>> found, const std::vector<std::complex<double>>& right) {
+// Another superelement whose entries round to the same last digits.
+Superelement rounded(Superelement se) {
+  Chance chance(1);
+  constexpr double kHalfDigit = 1.1e-16;
+  for (MatrixXd* X : {&se.K_se, &se.M_se, &se.D_se})
+    for (Index i = 0; i < X->rows(); ++i)
+      for (Index j = 0; j <= i; ++j)
+        (*X)(j, i) = (*X)(i, j) = (*X)(i, j) * (1.0 + kHalfDigit * (chance.below(2) == 0 ? -1.0 : 1.0));
+  return se;
+}
+
+using Values = std::vector<std::complex<double>>;
+
+double distance(const Values& values, const std::complex<double>& s) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& value : values) least = std::min(least, std::abs(value - s));
+  return least;
+}
+
+// Each of the right values of `se`, but those that are zero, has one of `found`.
+template <class Right>
+void expect_same(Values found, const Superelement& se, const Right& right_of) {
+  const Values right = right_of(se);
+  Values beside;
   double largest = 0.0;
   for (const auto& s : right) largest = std::max(largest, std::abs(s));
   for (const auto& s : right) {
@@ -147,7 +174,12 @@ void expect_same(std::vector<std::complex<double>> found, const std::vector<std:
     const auto nearest =
         std::ranges::min_element(found, {}, [&](const auto& other) { return std::abs(other - s); });
     ASSERT_NE(nearest, found.end());
-    const double tolerance = 1e-6 * std::abs(s) + 1e-13 * largest * largest / std::abs(s);
+    double tolerance = 1e-7 * std::abs(s) + 1e-13 * largest * largest / std::abs(s);
+    if (std::abs(*nearest - s) > tolerance) {
+      // Where M_se is nearly singular its last digits decide on more; some operations each leave that much.
+      if (beside.empty()) beside = right_of(rounded(se));
+      tolerance += 10.0 * distance(beside, s);
+    }
     EXPECT_LT(std::abs(*nearest - s), tolerance)
         << fmt::format("{} {:+}i is found as {} {:+}i", s.real(), s.imag(), nearest->real(), nearest->imag());
     found.erase(nearest);
@@ -187,7 +219,7 @@ TEST(Damping, OfAMatrixIsThatOfTheQuadraticProblem) {
     if (joint.locked.empty() && frame.find("\"joints\"") != std::string::npos) frame.clear();
     Case c = make_case(chance, folder, std::move(se), frame, joint);
     SCOPED_TRACE(c.text);
-    expect_same(c.found, right(c.se, c.se.D_se, c.G));
+    expect_same(c.found, c.se, [&](const Superelement& se) { return right(se, se.D_se, c.G); });
   });
 }
 
@@ -200,15 +232,17 @@ TEST(Damping, OfARatioIsThatOfTheModesThatTheJointLeaves) {
     Case c = make_case(chance, folder, std::move(se),
                        chance.one_of(kHeld) + fmt::format("damping = {:.17g}\n", ratio), joint);
     SCOPED_TRACE(c.text);
-    std::vector<std::complex<double>> damped;
-    double largest = 0.0;
-    for (const auto& s : right(c.se, MatrixXd::Zero(c.se.n(), c.se.n()), c.G)) {
-      largest = std::max(largest, std::abs(s));
-      damped.push_back(std::abs(s) * std::complex<double>(-ratio, std::sqrt(1.0 - ratio * ratio)));
-    }
-    // What does not vibrate is rigid motion.
-    std::erase_if(damped, [&](const auto& s) { return std::abs(s) < 1e-6 * largest; });
-    expect_same(c.found, damped);
+    expect_same(c.found, c.se, [&](const Superelement& se) {
+      const Values undamped = right(se, MatrixXd::Zero(se.n(), se.n()), c.G);
+      double largest = 0.0;
+      for (const auto& s : undamped) largest = std::max(largest, std::abs(s));
+      Values damped;
+      for (const auto& s : undamped)
+        // What does not vibrate is rigid motion.
+        if (std::abs(s) >= 1e-6 * largest)
+          damped.push_back(std::abs(s) * std::complex<double>(-ratio, std::sqrt(1.0 - ratio * ratio)));
+      return damped;
+    });
   });
 }
 
