@@ -12,6 +12,7 @@
 #include "mbs/superelement/file.hpp"
 #include "mbs/view/body_shapes.hpp"
 #include "mbs/view/html/page_file.hpp"
+#include "mbs/view/largest.hpp"
 #include "mbs/view/pages.hpp"
 #include "mbs/view/stress_picture.hpp"
 #include "mbs/view/surface_blocks.hpp"
@@ -55,20 +56,17 @@ std::vector<T> gather(const Matrix& m, const std::vector<Eigen::Index>& rows) {
   return values;
 }
 
-/// Interfaces that have a rotation as well, which the page can take deformations from: name, place [m] in the
-/// body, and how each modal coordinate displaces and turns them (m x 6, m and rad).
-json frames_json(const Superelement& se, const Eigen::MatrixXd& basis) {
-  json frames = json::array();
-  for (const superelement::Interface& interface : se.interfaces) {
-    if (interface.directions.size() + interface.following.size() + interface.free.size() != 6) continue;
-    const Eigen::MatrixXd columns = superelement::interface_motion(se, interface) * basis;
+/// Name, place [m] in the body, and how each modal coordinate displaces and turns them (m x 6, m and rad).
+json frames_json(const std::vector<ReferenceFrame>& frames) {
+  json list = json::array();
+  for (const ReferenceFrame& frame : frames) {
     json motion = json::array();
-    for (Eigen::Index j = 0; j < columns.cols(); ++j)
-      motion.push_back(std::vector<double>(columns.col(j).begin(), columns.col(j).end()));
-    const Eigen::Vector3d& p = interface.p_BoN_B;
-    frames.push_back({{"name", interface.name}, {"point", {p.x(), p.y(), p.z()}}, {"motion", motion}});
+    for (const auto& column : frame.motion.colwise())
+      motion.push_back(std::vector<double>(column.begin(), column.end()));
+    list.push_back(
+        {{"name", frame.name}, {"point", {frame.p.x(), frame.p.y(), frame.p.z()}}, {"motion", motion}});
   }
-  return frames;
+  return list;
 }
 
 /// The frame at which a joint to the ground holds the body, or null.
@@ -85,6 +83,11 @@ json held_by(const json& frames, const json& connections, const std::string& bod
         if (*p == frames[i].at("point")) return i;
     }
   return nullptr;
+}
+
+void sort_unique(std::vector<Eigen::Index>& rows) {
+  std::ranges::sort(rows);
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
 }
 
 /// JSON kept in the results, or null where it cannot be read: a page is more useful than a refusal.
@@ -259,14 +262,60 @@ class MotionWriter {
             {"axes", rows(sections.axes)}};
   }
 
+  /// Of every body: where and when displacement (by the page's references) and stress are largest.  The rows of it become
+  /// frames, so that the page can show them.
+  std::vector<json> largest_json(const results::Run& run, std::vector<Eigen::Index>& frames) const {
+    std::vector<json> bodies(run.bodies.size());
+    if (run.time.size() == 0) return bodies;
+    const auto entry = [&](const Largest& most) -> json {
+      frames.push_back(most.row);
+      return {{"value", most.value}, {"time", run.time[most.row]}, {"vertex", most.vertex}};
+    };
+    for (std::size_t j = 0; j < run.bodies.size(); ++j) {
+      const results::BodyHistory& body = run.bodies[j];
+      if (!first_shape_.contains(&body)) continue;
+      const Superelement& se = *picture(body.name);
+      std::vector<const results::BodyHistory*> observers;
+      for (const results::BodyHistory& other : run.bodies) observers.push_back(&other);
+      for (const auto& [from, most] :
+           largest_displacements(se, body, reference_frames(se, body.basis), observers))
+        bodies[j]["displacement"][from] = entry(most);
+      if (const auto most = largest_stress(se, body)) bodies[j]["stress"] = entry(*most);
+      // Diagrams of section forces are scaled by what the frames show: six rows for the six resultants.
+      if (!se.sections) continue;
+      const Eigen::MatrixXd forces = se.sections->S * body.basis * body.modal.transpose();
+      for (Eigen::Index c = 0; c < 6; ++c) {
+        Eigen::Index row = 0;
+        const auto of_all = Eigen::seq(c, forces.rows() - 6 + c, Eigen::fix<6>);
+        forces(of_all, Eigen::all).cwiseAbs().colwise().maxCoeff().maxCoeff(&row);
+        frames.push_back(row);
+      }
+    }
+    sort_unique(frames);
+    return bodies;
+  }
+
+  /// The rows at which a quantity is largest or smallest stay in its plot.
+  static void keep_peaks(const results::Run& run, std::vector<Eigen::Index>& rows) {
+    for (Eigen::Index j = 0; j < run.values.cols() && run.time.size() > 0; ++j) {
+      Eigen::Index row = 0;
+      run.values.col(j).maxCoeff(&row);
+      rows.push_back(row);
+      run.values.col(j).minCoeff(&row);
+      rows.push_back(row);
+    }
+    sort_unique(rows);
+  }
+
   json run_json(std::size_t number) {
     const results::Run& run = results_.runs[number];
     const std::string key = fmt::format("run{}", number);
     const Eigen::Index rows = run.time.size();
     const auto n_quantities = static_cast<double>(run.quantities.size() + 1);
-    const auto frames = thin(rows, page_.most_frames);
-    const auto kept =
-        thin(rows, page_.most_values / n_quantities / static_cast<double>(results_.runs.size()));
+    auto frames = thin(rows, page_.most_frames);
+    auto kept = thin(rows, page_.most_values / n_quantities / static_cast<double>(results_.runs.size()));
+    const std::vector<json> largest = largest_json(run, frames);
+    keep_peaks(run, kept);
     file_->add<double>(key + "/frame_time", gather<double>(run.time, frames));
     file_->add<double>(key + "/time", gather<double>(run.time, kept));
     json quantities = json::array();
@@ -286,7 +335,8 @@ class MotionWriter {
         file_->add<float>(fmt::format("{}/body/{}/modal", key, j), gather<float>(body.modal, frames));
         entry["first_shape"] = found->second;
         entry["n_shapes"] = body.basis.cols();
-        entry["frames"] = frames_json(*picture(body.name), body.basis);
+        entry["frames"] = frames_json(reference_frames(*picture(body.name), body.basis));
+        entry["largest"] = largest[j];
         entry["held_by"] = held_by(entry["frames"], connections_, body.name);
       }
       bodies.push_back(entry);

@@ -4,7 +4,7 @@ import * as THREE from 'three';
 import { ForceArrows } from './arrows';
 import { ContactPressures } from './contact_pressure';
 import { DeformedBody } from './deformed_body';
-import { locate, type MotionHeader, type Run } from './motion_data';
+import { locate, type MotionHeader, type Peak, type Run } from './motion_data';
 import { SectionDiagram } from './section_diagram';
 import type { SectionForces } from './section_forces';
 import { PathLine, PictureMaterials, touchedSurface, touchingSphere, triad } from './contact_pictures';
@@ -47,9 +47,20 @@ export class Mechanism {
   private magnify_ = 1;
   private ghost = false;
   private jointsShown = true;
-  largestDeflection = 0; // [m], over a sample of frames and vertices, from the reference
   private reference = 'held';
-  largestStress = 0; // [Pa]
+  /** Of each flexible body: the largest displacement from the reference, and stress. */
+  displacements: (Peak & { body: string })[] = [];
+  stresses: (Peak & { body: string })[] = [];
+
+  /** [m] */
+  get largestDeflection(): number {
+    return Math.max(0, ...this.displacements.map((p) => p.value));
+  }
+
+  /** [Pa] */
+  get largestStress(): number {
+    return Math.max(0, ...this.stresses.map((p) => p.value));
+  }
 
   constructor(readonly run: Run, header: MotionHeader, surfaces: Surface[], scale: THREE.Texture, glyphSize: number) {
     const connections = header.connections ?? [];
@@ -160,15 +171,22 @@ export class Mechanism {
    */
   setReference(choice: string): void {
     this.reference = choice;
+    this.displacements = [];
+    this.stresses = [];
     for (const body of this.bodies) {
       if (!body.deformed || body.number < 0) continue;
-      const { frames, held_by, first_shape } = this.run.header.bodies[body.number];
+      const { frames, held_by, first_shape, largest } = this.run.header.bodies[body.number];
       const named = choice.startsWith('interface:') ? (frames ?? []).find((f) => f.name === choice.slice(10)) : undefined;
       const held = choice !== 'own' && typeof held_by === 'number' ? frames?.[held_by] : undefined;
       const frame = named ?? held;
       body.deformed.reference = frame ? { frame, first: first_shape } : null;
+      if (!largest) continue;
+      // A body that the run does not store stands still.
+      const from = choice === 'ground' || choice.startsWith('body:') ? largest.displacement[choice] ?? largest.displacement.ground
+        : largest.displacement[frame ? `interface:${frame.name}` : 'own'];
+      this.displacements.push({ ...from, body: body.name });
+      if (largest.stress && body.deformed.surface.stress) this.stresses.push({ ...largest.stress, body: body.name });
     }
-    this.largestDeflection = this.findLargest();
   }
 
   /** The pose of a body at a frame and a fraction of the way to the next. */
@@ -193,34 +211,6 @@ export class Mechanism {
     const from = (at: number, p: number) => (other && other.number >= 0 ? this.poseAt(other.number, at, p).invert() : new THREE.Matrix4())
       .multiply(this.poseAt(body.number, at, p));
     body.deformed!.see({ now: from(frame, part), then: from(0, 0) });
-  }
-
-  private findLargest(): number {
-    let most = 0;
-    const u = new THREE.Vector3();
-    const frames = this.run.frameTime.length;
-    for (const body of this.bodies) {
-      const motion = body.number >= 0 ? this.run.motion[body.number] : null;
-      if (!body.deformed || !motion?.modal) continue;
-      const { first_shape, n_shapes } = this.run.header.bodies[body.number];
-      const weights = new Float32Array(body.deformed.weights.length);
-      const { surface } = body.deformed;
-      const n = surface.header.vertices;
-      const every = Math.max(1, Math.floor(frames / 80));
-      for (let i = 0; i < frames; i += every) {
-        for (let j = 0; j < n_shapes; ++j) weights[first_shape + j] = motion.modal[j * frames + i];
-        this.see(body, i, 0);
-        for (let v = 0; v < n; v += Math.max(1, Math.floor(n / 400))) {
-          most = Math.max(most, body.deformed.shown(v, weights, u).lengthSq());
-        }
-        // Stresses peak in few places: more vertices, fewer frames.
-        if (surface.stress && (i / every) % 4 === 0) {
-          const step = Math.max(1, Math.floor(n / 5000));
-          this.largestStress = Math.max(this.largestStress, surface.largestStress(weights, step));
-        }
-      }
-    }
-    return Math.sqrt(most);
   }
 
   /** Weights of the shapes of a flexible body at a frame and a fraction of the way to the next. */

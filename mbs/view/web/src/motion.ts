@@ -3,6 +3,7 @@
 import * as THREE from 'three';
 import { scaleTexture } from './colormap';
 import { Interferences } from './interferences';
+import { LargestValues, most, type PlacedPeak } from './largest';
 import { Legend } from './legend';
 import { modeList, modeOf } from './mode_runs';
 import { Mechanism } from './mechanism';
@@ -15,7 +16,7 @@ import { SectionPanel } from './section_panel';
 import { Stage, upIn, viewNames, type ViewName } from './stage';
 import { summaryPanel, warningsOf } from './summary';
 import { Surface } from './surface';
-import { cssColor, download, figure, h, icon, iconButton, forceText, lengthText, lengthUnit, say, shortcuts, slider,
+import { cssColor, download, factList, figure, h, icon, iconButton, forceText, lengthUnit, say, shortcuts, slider,
          stressUnit, themeButton,
          toggle, topBar, unitText } from './ui';
 
@@ -83,15 +84,19 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   mechanisms[state.main].boxOfContacts(extent);
   const travels = extent.getSize(new THREE.Vector3()).length() > 6 * start.getSize(new THREE.Vector3()).length();
   const shown = travels ? start : extent;
-  let deflection = Math.max(0, ...mechanisms.map((m) => m.largestDeflection));
+  // One scale for all runs; modes have a size of their own each, and a scale of their own.
+  const largestOf = (value: (m: Mechanism) => number) => Math.max(0, ...mechanisms.filter((_, i) => !isModes || i === state.main).map(value));
+  const deflection = () => largestOf((m) => m.largestDeflection);
+  const stressMost = () => largestOf((m) => m.largestStress);
+  const deforms = mechanisms.some((m) => m.largestDeflection > 0);
+  const isStressed = mechanisms.some((m) => m.largestStress > 0);
   const flexibleSize = Math.max(0, ...mechanisms[state.main].bodies.filter((b) => b.deformed)
     .map((b) => b.deformed!.surface.size));
   // Modes are drawn as large as they are stored.
   // A thousand times at most by itself: what is smaller still does not deform for the eye, and is said in numbers.
-  const fullMagnify = deflection > 0 && !isModes ? Math.min(1000, Math.max(1, round125((0.06 * flexibleSize) / deflection))) : 1;
+  const fullMagnify = deforms && !isModes ? Math.min(1000, Math.max(1, round125((0.06 * flexibleSize) / deflection()))) : 1;
   state.magnify = fullMagnify;
-  if (deflection === 0) state.field = 0;
-  const stressMost = Math.max(0, ...mechanisms.map((m) => m.largestStress));
+  if (!deforms) state.field = 0;
 
   // --- drawing -----------------------------------------------------------------------------------------------------
   const clock = h('output', { class: 'clock', 'aria-label': 'Time' });
@@ -127,6 +132,8 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const legend = new Legend();
   const pressures = new PressureView(mechanisms, () => refresh());
   function refresh(): void {
+    const isStress = state.field === 5;
+    const top = isStress ? stressMost() : deflection();
     mechanisms.forEach((m, i) => {
       m.group.visible = state.visible[i];
       m.magnify = state.magnify;
@@ -134,13 +141,12 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
       m.setLook(ghost ? new THREE.Color(cssColor(`--run${i % 6}`)) : null);
       for (const b of m.bodies) {
         const moves = b.number >= 0 && m.run.header.bodies[b.number].n_shapes > 0;
-        b.deformed?.setField(ghost || !moves ? 0 : state.field, 0, state.field === 5 ? stressMost : deflection);
+        b.deformed?.setField(ghost || !moves || top === 0 ? 0 : state.field, 0, top);
       }
     });
-    const isStress = state.field === 5;
-    const top = isStress ? stressMost : deflection;
     const { factor, unit } = isStress ? stressUnit(top) : lengthUnit(top);
-    legend.show(state.field === 0 ? null : {
+    // A ghost has the colour of its run.
+    legend.show(state.field === 0 || top === 0 || !state.visible[state.main] ? null : {
       title: `${isStress ? 'von Mises' : `|u| ${fromWhere()}`} [${unit}]`, scale: 'magnitude', low: 0, high: top * factor,
       note: isModes ? `mode shape, its size is free; drawn ×${figure(state.magnify, 3)}` : `drawn ×${figure(state.magnify, 3)}`,
     });
@@ -151,6 +157,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const play = iconButton('pause', 'Stop (space)', () => setPlaying(!state.playing), { id: 'play' });
   function setPlaying(on: boolean): void {
     state.playing = on;
+    if (on) largest.clear();
     play.replaceChildren(icon(on ? 'pause' : 'play'));
     play.title = on ? 'Stop (space)' : 'Play (space)';
     play.setAttribute('aria-label', on ? 'Stop' : 'Play');
@@ -164,17 +171,17 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const magnify = slider('Deformation', {
     min: 0, max: Math.max(1, Math.log10(fullMagnify) + 1), step: 0.02, value: Math.log10(state.magnify), id: 'magnify',
     text: (v) => `×${figure(10 ** v, 2)}`, change: (v) => { state.magnify = 10 ** v; refresh(); } });
-  magnify.element.hidden = deflection === 0;
+  magnify.element.hidden = !deforms;
   const color = h('select', { id: 'color', 'aria-label': 'Colour', title: 'Next colouring (C)',
                               onchange: () => setField(Number(color.value)) },
-                  ...[['Displacement', 1], ...(stressMost > 0 ? [['Von Mises stress', 5]] : []), ['Bodies', 0]]
+                  ...[['Displacement', 1], ...(isStressed ? [['Von Mises stress', 5]] : []), ['Bodies', 0]]
                     .map(([text, value]) => h('option', { value }, String(text))));
   const setField = (field: number) => {
     state.field = field;
     color.value = String(field);
     refresh();
   };
-  color.hidden = deflection === 0;
+  color.hidden = !deforms;
   // Where displacements are taken from.
   const flexible = runs.flatMap((r) => r.header.bodies.filter((b) => b.n_shapes > 0));
   const isHeld = flexible.some((b) => typeof b.held_by === 'number');
@@ -194,10 +201,12 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     const known = references.some(([value]) => value === choice) ? choice : 'held';
     reference.value = known;
     for (const m of mechanisms) m.setReference(known);
-    deflection = Math.max(0, ...mechanisms.map((m) => m.largestDeflection));
+    largest.clear();
+    largest.refresh();
+    showFacts();
     refresh();
   };
-  reference.hidden = deflection === 0;
+  reference.hidden = !deforms;
   const glyphs = toggle('Joints', true, (on) => {
     for (const m of mechanisms) m.showJoints = on;
     stage.draw();
@@ -313,6 +322,13 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
       });
     }
   }
+  const largest = new LargestValues(isModes ? [] : mechanisms, fromWhere, (peak, field) => {
+    setPlaying(false);
+    state.main = peak.run;
+    state.visible[peak.run] = true;
+    state.time = peak.time;
+    setField(field);
+  });
   const pages: Record<string, HTMLElement> = {
     ...(modes ? { modes: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Modes' }, modes.element) } : {}),
     plots: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Plots' }, deck.element),
@@ -322,7 +338,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
         ...runs.map((r) => h('th', { scope: 'col', class: 'number' }, r.header.name)), h('th', { scope: 'col' }, 'Unit'))),
         h('tbody', {}, ...quantityRows))),
     sections: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Section forces', hidden: true }, sections.element),
-    summary: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Summary', hidden: true }, overlaps.element, summaryPanel(runs)),
+    summary: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Summary', hidden: true }, largest.element, overlaps.element, summaryPanel(runs)),
   };
   const tabs: Record<string, HTMLButtonElement> = {};
   for (const [name, title] of [...(modes ? [['modes', 'Modes']] : []), ['plots', 'Plots'], ['quantities', 'Quantities'], ['sections', 'Sections'], ['summary', 'Summary']]) {
@@ -370,7 +386,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     { keys: ['-'], text: 'less deformation', run: () => magnify.set(magnify.get() - 0.1) },
     ...[0, 1, 2, 3, 4, 5].map((i) => ({ keys: [String(i + 1)], text: `view ${viewNames[i]}`, run: () => view(viewNames[i]) })),
     { keys: ['0', 'i'], text: 'view from a corner', run: () => view('iso') },
-    { keys: ['c'], text: 'next colouring', run: () => setField(state.field === 1 && stressMost > 0 ? 5 : state.field === 0 ? 1 : 0) },
+    { keys: ['c'], text: 'next colouring', run: () => setField(state.field === 1 && isStressed ? 5 : state.field === 0 ? 1 : 0) },
     { keys: ['j'], text: 'joints and springs', run: () => glyphs.click() },
     { keys: ['x'], text: 'surfaces that are touched, and paths', run: () => contacts.click() },
     { keys: ['k'], text: 'markers', run: () => markers.click() },
@@ -387,12 +403,15 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   ]);
   const theme = themeButton(() => { refresh(); deck.redraw(); });
 
+  const facts = factList([]);
+  const showFacts = () => facts.replaceChildren(
+    ...factList([['Bodies', String(moving.length)], [isModes ? 'Modes' : 'Runs', String(runs.length)],
+                 ...(isModes || isStill ? [] : [['Time', `${figure(duration, 4)} s`] as [string, string]])]).children,
+    ...(isModes ? [] : largest.facts.map((f) => h('div', {}, ...f))),
+    ...factList(energyError > 0 ? [['Energy error', `${figure(100 * energyError, 2)} %`]] : []).children);
+  showFacts();
   app.replaceChildren(
-    topBar(header.title, [['Bodies', String(moving.length)], [isModes ? 'Modes' : 'Runs', String(runs.length)],
-                          ...(isModes || isStill ? [] : [['Time', `${figure(duration, 4)} s`] as [string, string]]),
-                          ...(deflection > 0 && !isModes ? [[`Largest |u| ${fromWhere()}`, lengthText(deflection)] as [string, string]] : []),
-                          ...(energyError > 0 ? [['Energy error', `${figure(100 * energyError, 2)} %`] as [string, string]] : [])],
-           keys, theme),
+    topBar(header.title, facts, keys, theme),
     h('main', { class: 'split motion' },
       h('section', { class: 'viewer', 'aria-label': 'Picture' },
         h('div', { class: 'canvas-box' }, stage.element,
@@ -416,8 +435,10 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   setTime(t0);
   setPlaying(playAtFirst);
 
+  const placed = (of: (m: Mechanism) => Omit<PlacedPeak, 'run'>[]) =>
+    mechanisms.flatMap((m, run) => (isModes && run !== state.main ? [] : of(m).map((p) => ({ ...p, run }))));
   (window as unknown as { flexura: unknown }).flexura = motionScripts({
     header, runs, mechanisms, stage, deck, sections, quantities: all.map((q) => q.name), start: t0, end: t1,
-    largestDeflection: () => deflection, largestStress: stressMost, state, view, setField, setReference, setMode, setPlaying, setTime, refresh,
+    largest: () => ({ displacement: most(placed((m) => m.displacements)), stress: most(placed((m) => m.stresses)) }), state, view, setField, setReference, setMode, setPlaying, setTime, refresh,
   });
 }

@@ -35,6 +35,9 @@ export interface Connection {
 /** An interface of a flexible body: its place, and how each modal coordinate displaces and turns it. */
 export interface InterfaceFrame { name: string; point: Point; motion: number[][] }
 
+/** A largest value [m or Pa]: the time it is stored at, and the vertex of the surface. */
+export interface Peak { value: number; time: number; vertex: number }
+
 export interface RunBody {
   name: string;
   surface: number | null;
@@ -42,6 +45,8 @@ export interface RunBody {
   n_shapes: number;
   frames?: InterfaceFrame[];
   held_by?: number | null; // the frame at which a joint to the ground holds it
+  /** Over all stored times and vertices; displacement by what it counts from: "own", "interface:NAME", "ground", "body:NAME". */
+  largest?: { displacement: Record<string, Peak>; stress?: Peak };
 }
 
 export interface RunHeader {

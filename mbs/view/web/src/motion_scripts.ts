@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // What the motion page offers to scripts and tests as window.flexura: PAGE.md.
 import * as THREE from 'three';
+import type { PlacedPeak } from './largest';
 import type { Mechanism } from './mechanism';
 import { locate, type MotionHeader, type Run } from './motion_data';
 import type { PlotDeck } from './plots';
@@ -18,8 +19,7 @@ export interface MotionParts {
   quantities: string[];
   start: number;
   end: number;
-  largestDeflection: () => number;
-  largestStress: number;
+  largest: () => { displacement: PlacedPeak | null; stress: PlacedPeak | null };
   state: { time: number; magnify: number; visible: boolean[]; main: number };
   view: (name: ViewName) => void;
   setField: (field: number) => void;
@@ -46,14 +46,15 @@ export function motionScripts(page: MotionParts): object {
     page: 'motion', header: page.header, runs: runs.map((r) => r.header.name), quantities: page.quantities,
     get time() { return state.time; }, start: page.start, end: page.end,
     setTime: (t: number) => { page.setPlaying(false); page.setTime(t); stage.drawNow(); },
-    setPlaying: page.setPlaying, setField: page.setField, largestStress: page.largestStress,
+    setPlaying: page.setPlaying, setField: page.setField, get largest() { return page.largest(); },
+    get largestStress() { return page.largest().stress?.value ?? 0; },
     vonMises: (run: string, body: string, v: number) => {
       const { surface, weights } = bodyNamed(run, body).deformed!;
       return surface.vonMises(v, weights);
     },
     setMagnify: (v: number) => { state.magnify = v; refresh(); }, get magnify() { return state.magnify; },
     showRun: (name: string, on: boolean) => { state.visible[runNamed(name)] = on; refresh(); deck.redraw(); },
-    view: page.view, get largestDeflection() { return page.largestDeflection(); },
+    view: page.view, get largestDeflection() { return page.largest().displacement?.value ?? 0; },
     setReference: page.setReference, setMode: page.setMode, get mode() { return page.state.main; },
     quantity: async (run: string, name: string) => [...((await runs[runNamed(run)].quantity(name)) ?? [])],
     times: (run: string) => [...runs[runNamed(run)].time], frameTimes: (run: string) => [...runs[runNamed(run)].frameTime],

@@ -58,7 +58,7 @@ export class SectionPanel {
     const frames = mechanism.run.frameTime.length;
     for (const body of mechanism.bodies) {
       if (!body.sections || !body.deformed) continue;
-      for (let i = 0; i < frames; i += Math.max(1, Math.floor(frames / 80))) {
+      for (let i = 0; i < frames; ++i) {
         const weights = mechanism.weightsAt(body.name, i, 0);
         for (let p = 0; p < body.sections.n; ++p) {
           for (let c = 0; c < 6; ++c) {
@@ -104,7 +104,7 @@ export class SectionPanel {
     let [most, place] = [-1, row.places[0]];
     for (const m of runs) {
       const frames = m.run.frameTime.length;
-      for (let i = 0; i < frames; i += Math.max(1, Math.floor(frames / 200))) {
+      for (let i = 0; i < frames; ++i) {
         const weights = m.weightsAt(body, i, 0);
         for (const p of row.places) {
           const v = Math.abs(row.sections.value(p, c, weights));

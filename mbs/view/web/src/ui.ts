@@ -230,14 +230,18 @@ function keyName(key: string): string {
   return { ' ': 'Space', ArrowUp: '↑', ArrowDown: '↓', ArrowLeft: '←', ArrowRight: '→' }[key] ?? key;
 }
 
+export function factList(facts: [string, string][]): HTMLElement {
+  return h('dl', { class: 'facts' }, ...facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value))));
+}
+
 /** The header bar of every page. */
-export function topBar(title: string, facts: [string, string][], ...buttons: HTMLElement[]): HTMLElement {
+export function topBar(title: string, facts: [string, string][] | HTMLElement, ...buttons: HTMLElement[]): HTMLElement {
   const mark = h('span', { class: 'brand' });
   mark.innerHTML = `<svg viewBox="0 0 32 32" width="26" height="26" aria-hidden="true"><rect width="32" height="32" rx="8"
     fill="var(--accent)"/><path d="M6 21c5 0 6-11 11-11s5 7 9 7" fill="none" stroke="#fff" stroke-width="2.6"
     stroke-linecap="round"/><circle cx="6" cy="21" r="2.4" fill="#fff"/><circle cx="26" cy="17" r="2.4" fill="#fff"/></svg>
     <span>Flexura</span>`;
   return h('header', { class: 'bar' }, mark, h('h1', {}, title),
-           h('dl', { class: 'facts' }, ...facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))),
+           Array.isArray(facts) ? factList(facts) : facts,
            h('div', { class: 'bar-buttons' }, ...buttons));
 }
