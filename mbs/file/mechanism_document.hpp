@@ -14,4 +14,15 @@ namespace flexura::mbs {
 input::Section read_mechanism_document(const std::filesystem::path& file, const input::TableSchema& solver,
                                        const std::vector<std::string>& overrides);
 
+/// A mechanism file that another one places as [subsystem.name].
+struct PlacedFile {
+  std::string name;
+  std::filesystem::path file;
+  std::vector<std::string>
+      overrides;  ///< with which it is read: the parameters given to it, and keys of its own
+};
+
+/// Those that a document places by itself, in its order; `overrides` are those that it was read with.  None is read.  Throws InputError.
+std::vector<PlacedFile> placed_files(const input::Section& root, const std::vector<std::string>& overrides);
+
 }  // namespace flexura::mbs

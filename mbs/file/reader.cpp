@@ -16,6 +16,7 @@
 #include "mbs/file/read_linked_marker.hpp"
 #include "mbs/file/read_markers.hpp"
 #include "mbs/file/read_tables.hpp"
+#include "mbs/file/subsystem_overrides.hpp"
 #include "mbs/formulas/parameters.hpp"
 
 namespace flexura::mbs {
@@ -35,27 +36,8 @@ const auto& find_type(const Types& types, const std::string& name) {
   });
 }
 
-/// "subsystem.left.body.arm.mass=3" goes to the subsystem's own file as "body.arm.mass=3", unless it is about
-/// how the subsystem is placed.
-std::vector<std::string> take_overrides_below(const std::vector<std::string>& overrides,
-                                              std::map<std::string, std::vector<std::string>>& below) {
-  static const std::vector<std::string> placing = {"file", "parameters", "on",       "position",
-                                                   "axis", "x_axis",     "rotation", "quaternion"};
-  const std::string opening = "subsystem.";
-  std::vector<std::string> own;
-  for (const std::string& text : overrides) {
-    const auto dot = text.find('.', opening.size());
-    if (!text.starts_with(opening) || dot == std::string::npos || text.find('=') < dot) {
-      own.push_back(text);
-      continue;
-    }
-    const std::string rest = text.substr(dot + 1), key = rest.substr(0, rest.find_first_of(".=["));
-    if (std::ranges::find(placing, key) != placing.end())
-      own.push_back(text);
-    else
-      below[text.substr(opening.size(), dot - opening.size())].push_back(rest);
-  }
-  return own;
+std::string in_words(const Vector3d& v) {
+  return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v.x(), v.y(), v.z());
 }
 
 Section read_file(const std::filesystem::path& file, const input::TableSchema& solver,
@@ -70,6 +52,16 @@ Section read_mechanism_document(const std::filesystem::path& file, const input::
                                 const std::vector<std::string>& overrides) {
   std::map<std::string, std::vector<std::string>> below;
   return read_file(file, solver, take_overrides_below(overrides, below));
+}
+
+std::vector<PlacedFile> placed_files(const Section& root, const std::vector<std::string>& overrides) {
+  std::map<std::string, std::vector<std::string>> below;
+  take_overrides_below(overrides, below);
+  const std::map<std::string, double> parameters = read_parameters(root);
+  std::vector<PlacedFile> out;
+  for (const auto& [name, s] : root.table_map("subsystem"))
+    out.push_back({name, s.file("file"), overrides_of_placed(s, parameters, below[name])});
+  return out;
 }
 
 Reader::Reader(ReadModel& model, const std::filesystem::path& file, const input::TableSchema& solver,
@@ -140,26 +132,9 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
   }
   base.X_BG = base.X_BG * read_pose(s);
 
-  std::vector<std::string> overrides;
-  const auto given = s.formulas("parameters");
-  for (const auto& [parameter, formula] : given) {
-    double value;
-    try {
-      const double at_start = 0.0;
-      const Expression compiled(s.path() + ".parameters." + parameter, formula, SignalNames(), parameters_);
-      if (compiled.reads_time())
-        throw std::invalid_argument(
-            s.path() + ".parameters." + parameter +
-            " reads the time t, and is one number for the whole run; write a formula of the "
-            "parameters of this file");
-      value = compiled.evaluate(&at_start);
-    } catch (const std::exception& error) {
-      throw input::InputError(s.document().string() + ": " + error.what());
-    }
-    overrides.push_back(fmt::format("parameters.{}={:.17g}", parameter, value));
-  }
-  if (const auto below = overrides_below_.find(name); below != overrides_below_.end())
-    overrides.insert(overrides.end(), below->second.begin(), below->second.end());
+  const auto below = overrides_below_.find(name);
+  const std::vector<std::string> overrides = overrides_of_placed(
+      s, parameters_, below == overrides_below_.end() ? std::vector<std::string>() : below->second);
   const std::filesystem::path file = s.file("file");
   if (++model_.n_subsystems > most_subsystems)
     s.refuse("file",
@@ -176,7 +151,7 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
                          1e-6 * static_cast<double>(model_.bytes_of_subsystems),
                          1e-6 * static_cast<double>(most_bytes)),
              "place fewer or smaller files");
-  if (!given.empty()) {
+  if (const auto given = s.formulas("parameters"); !given.empty()) {
     // A misspelt parameter would be a new one that nothing reads.
     const Section plain = read_file(file, solver_, {});
     std::vector<std::string> known;
@@ -188,6 +163,13 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
   }
   subsystems_.push_back(std::unique_ptr<Reader>(
       new Reader(model_, file, solver_, overrides, prefix_ + name + ".", std::move(base), depth_ + 1)));
+  const Section& placed = subsystems_.back()->root();
+  // Written for the whole it is read with, as the axes of its bodies' start are.
+  if (const Vector3d& g = model_.description.gravity;
+      placed.has("gravity") && !placed.vector3("gravity").isApprox(g, 1e-9))
+    model_.notes.push_back(fmt::format(
+        "subsystem \"{}\": its own {} = {} m/s^2 does not count; the whole falls with {} m/s^2 (world axes)",
+        prefix_ + name, placed.where("gravity"), in_words(placed.vector3("gravity")), in_words(g)));
   subsystems_.back()->read_bodies();
 }
 
@@ -221,14 +203,13 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
   if (!fidelity.of_superelement && !is_beam)
     s.refuse("fidelity", fmt::format("\"{}\" is for beams", fidelity.name),
              fmt::format("describe the beam in [body.{}.beam]", own_name));
+  refuse_keys_of_others(s);
   std::shared_ptr<const superelement::Superelement> se;
   BeamPart beam;
   if (is_beam) {
-    if (s.has("mass")) s.refuse("mass", "a beam brings its own mass", "take one of the two away");
     beam = read_beam_part(s.table("beam"), fidelity.of_beam->use);
     interfaces = beam.stations();
   } else if (s.has("superelement")) {
-    if (s.has("mass")) s.refuse("mass", "a superelement brings its own mass", "take one of the two away");
     se = load(s, body.name);
     body.superelement = s.file("superelement").string();
     const bool is_touched = model_.surfaces_in_use.contains(body.name);
@@ -245,8 +226,6 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
              "reduce the beam (flexura reduce), or use fidelity = \"beam\", \"rod\", \"cable\", \"ancf\", "
              "\"segments\" or \"rigid\"");
   } else {
-    for (const char* key : {"modes", "max_frequency", "damping"})
-      if (s.has(key)) s.refuse(key, "a rigid body has no modes", "give a superelement or take the key away");
     body.inertia = read_inertia(s);
   }
   if (!se && wants_surface_points(s))

@@ -28,6 +28,8 @@ using input::Section;
 namespace {
 
 constexpr int kMostRounds = 3;
+// Of files that place one another without end; read_mechanism() refuses them.
+constexpr std::size_t kMostDocuments = 1000;
 
 // "parts/rod.toml" of "parts/rod.se.h5".
 fs::path part_file_of(fs::path superelement) {
@@ -66,14 +68,12 @@ std::string toml(const Eigen::Vector3d& v) {
   return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z());
 }
 
-// "body.marker" or "body.interface" of every joint.
-std::vector<std::string> places_of_joints(const Section& root) {
-  std::vector<std::string> places;
+// "body.marker" or "body.interface" of every joint of the file, with `prefix`.
+void add_places_of_joints(std::vector<std::string>& places, const std::string& prefix, const Section& root) {
   for (const char* kind : {"joint", "connection"})
     for (const auto& [name, joint] : root.table_map(kind))
       for (const char* key : {"from", "to"})
-        if (joint.has(key)) places.push_back(joint.text(key));
-  return places;
+        if (joint.has(key)) places.push_back(prefix + joint.text(key));
 }
 
 bool is_linked(const Section& marker) {
@@ -120,15 +120,39 @@ PartsOnDemand::PartsOnDemand(fs::path mechanism, fs::path bin, fs::path cache, b
       run_scripts_(run_scripts),
       telling_(std::move(telling)) {}
 
+void PartsOnDemand::add_documents(std::vector<Document>& all, Document document,
+                                  const std::vector<std::string>& overrides) {
+  all.push_back(document);
+  for (const mbs::PlacedFile& placed : mbs::placed_files(document.root, overrides)) {
+    if (!is_plain(placed.name) || all.size() >= kMostDocuments) continue;
+    add_documents(all,
+                  {document.prefix + placed.name + ".", document.keys + "subsystem." + placed.name + ".",
+                   mbs::read_mechanism_document(placed.file, mbs::solver_schema(), placed.overrides)},
+                  placed.overrides);
+  }
+}
+
 void PartsOnDemand::collect(const std::vector<std::string>& overrides) {
-  const Section root = mbs::read_mechanism_document(mechanism_, mbs::solver_schema(), overrides);
-  const double accuracy = root.table("solver").quantity("accuracy");
-  const std::vector<std::string> places = places_of_joints(root);
+  std::vector<Document> all;
+  add_documents(all, {"", "", mbs::read_mechanism_document(mechanism_, mbs::solver_schema(), overrides)},
+                overrides);
+  // Joints of one file may lead to the bodies of another.
+  std::vector<std::string> places;
+  for (const Document& document : all) add_places_of_joints(places, document.prefix, document.root);
+  const double accuracy = all.front().root.table("solver").quantity("accuracy");
+  for (const Document& document : all) collect(document, places, accuracy);
+}
+
+void PartsOnDemand::collect(const Document& document, const std::vector<std::string>& places,
+                            double accuracy) {
   const auto is_used = [&](const std::string& place) {
     return std::ranges::find(places, place) != places.end();
   };
-  for (const auto& [name, body] : root.table_map("body")) {
-    if (!body.has("superelement") || !is_plain(name)) continue;
+  for (const auto& [own_name, body] : document.root.table_map("body")) {
+    if (!body.has("superelement") || !is_plain(own_name)) continue;
+    const std::string name = document.prefix + own_name, body_key = document.keys + "body." + own_name;
+    std::string joined = name;
+    std::ranges::replace(joined, '.', '_');
     const fs::path path = fs::absolute(body.file("superelement")).lexically_normal();
     const Found found = look_at(path);
     const bool deforms = is_to_deform(body, accuracy);
@@ -162,7 +186,7 @@ void PartsOnDemand::collect(const std::vector<std::string>& overrides) {
         part.added[interface] = fmt::format("{{by = \"faces\", faces = [{}]}}", number);
       lacks = lacks || std::ranges::find(found.interfaces, interface) == found.interfaces.end();
     };
-    std::vector<std::string>& set = part.bodies[name];
+    std::vector<std::string>& set = part.bodies[body_key];
     set.clear();
     std::vector<std::string> markers;
     for (const auto& [marker, m] : body.table_map("marker")) {
@@ -178,26 +202,27 @@ void PartsOnDemand::collect(const std::vector<std::string>& overrides) {
       if (has_one)
         need_face(interface);
       else
-        interface = part.at_place.try_emplace(position, "at_" + name + "_" + marker).first->second;
+        interface = part.at_place.try_emplace(position, "at_" + joined + "_" + marker).first->second;
       if (!has_one && !is_known(interface))
         part.added[interface] = fmt::format("{{by = \"near\", point = {}}}", position);
       lacks = lacks || std::ranges::find(found.interfaces, interface) == found.interfaces.end();
-      set.push_back(fmt::format("body.{}.marker.{}.on={}", name, marker, quoted(std::as_const(interface))));
-      set.push_back(fmt::format("body.{}.marker.{}.position={}", name, marker, position));
+      set.push_back(fmt::format("{}.marker.{}.on={}", body_key, marker, quoted(std::as_const(interface))));
+      set.push_back(fmt::format("{}.marker.{}.position={}", body_key, marker, position));
     }
     for (const std::string& place : places)
       if (place.starts_with(name + ".") && std::ranges::find(markers, place) == markers.end())
         need_face(place.substr(name.size() + 1));
-    if (lacks && std::ranges::find(part.wanted, name) == part.wanted.end()) part.wanted.push_back(name);
+    if (lacks && std::ranges::find(part.wanted, body_key) == part.wanted.end())
+      part.wanted.push_back(body_key);
   }
 }
 
 std::vector<std::string> PartsOnDemand::overrides_for(const Part& part,
-                                                      const std::vector<std::string>& bodies) const {
+                                                      const std::vector<std::string>& keys) const {
   std::vector<std::string> set;
-  for (const std::string& body : bodies) {
-    set.push_back(fmt::format("body.{}.superelement={}", body, quoted(part.made.string())));
-    const std::vector<std::string>& markers = part.bodies.at(body);
+  for (const std::string& key : keys) {
+    set.push_back(fmt::format("{}.superelement={}", key, quoted(part.made.string())));
+    const std::vector<std::string>& markers = part.bodies.at(key);
     set.insert(set.end(), markers.begin(), markers.end());
   }
   return set;
@@ -304,9 +329,9 @@ std::vector<std::string> PartsOnDemand::refine(const std::vector<MeshOfBody>& me
       part.rounds = kMostRounds;
       continue;
     }
-    std::vector<std::string> bodies;
-    for (const auto& [body, markers] : part.bodies) bodies.push_back(body);
-    const auto more = overrides_for(part, bodies);
+    std::vector<std::string> keys;
+    for (const auto& [key, markers] : part.bodies) keys.push_back(key);
+    const auto more = overrides_for(part, keys);
     set.insert(set.end(), more.begin(), more.end());
   }
   return set;

@@ -9,12 +9,14 @@
 #include <string_view>
 #include <vector>
 
+#include "mbs/base/documents/document.hpp"
+
 /// Parts that are reduced because a run wants them: `flexura simulate --reduce`.
 ///
 /// A body that is to deform and whose superelement is not there, or is the rigid one of an import, gets one made of the part file
 /// beside it (NAME.toml of NAME.se.h5) by `flexura-reduce`, a program of its own.  Its joints need interfaces: those that the
 /// part file has; "faceN", which an import calls face N of the CAD file; and for a joint's marker on no interface the face nearest to it.
-/// Bodies of one part share one superelement with all their interfaces.  What is made is kept by the content of the part file, its geometry
+/// Bodies of one part, in subsystems too, share one superelement with all their interfaces.  What is made is kept by the content of the part file, its geometry
 /// and the programs, beside the part (reduced/) or where the caller says; no file of the user's is replaced.
 ///
 /// Where the mesh's share of the error of a run is above half of the accuracy that was asked (shared by its bodies), refine()
@@ -56,21 +58,29 @@ class PartsOnDemand {
     bool has_mesh = false;                                        ///< parts of beams have none to refine
     std::map<std::string, std::string> added = {};                ///< interfaces by name, as inline tables
     std::map<std::string, std::string> at_place = {};             ///< those of markers on none, by place
-    std::map<std::string, std::vector<std::string>> bodies = {};  ///< overrides of their markers
-    std::vector<std::string> wanted = {};  ///< bodies that have no superelement to go on with
+    std::map<std::string, std::vector<std::string>> bodies = {};  ///< overrides of their markers, by key
+    std::vector<std::string> wanted = {};  ///< keys of bodies that have no superelement to go on with
     double accuracy = 0.0;                 ///< asked of the last reduction; 0: the part file's own
     int rounds = 0;
     std::filesystem::path made = {};
   };
+  /// A mechanism file, alone or as a subsystem: "left." before the names of its bodies, "subsystem.left." before their keys.
+  struct Document {
+    std::string prefix, keys;
+    input::Section root;
+  };
   void collect(const std::vector<std::string>& overrides);
+  void collect(const Document& document, const std::vector<std::string>& places, double accuracy);
+  static void add_documents(std::vector<Document>& all, Document document,
+                            const std::vector<std::string>& overrides);
   void reduce(const std::string& name, Part& part);
-  std::vector<std::string> overrides_for(const Part& part, const std::vector<std::string>& bodies) const;
+  std::vector<std::string> overrides_for(const Part& part, const std::vector<std::string>& keys) const;
 
   std::filesystem::path mechanism_, bin_, cache_;
   bool run_scripts_;
   Telling telling_;
   std::map<std::string, Part> parts_;           ///< by the path of the superelement that the file names
-  std::map<std::string, std::string> part_of_;  ///< of a body
+  std::map<std::string, std::string> part_of_;  ///< of a body, "left.rod" of a subsystem
 };
 
 }  // namespace flexura::study

@@ -2,11 +2,14 @@
 #include "mbs/file/bodies/read_body.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
 #include <nlohmann/json.hpp>
 
 #include "mbs/base/math/rotation.hpp"
+#include "mbs/file/bodies/read_flexible_body.hpp"
+#include "mbs/file/fidelities.hpp"
 
 namespace flexura::mbs {
 
@@ -95,6 +98,36 @@ void require_possible(const Section& s, const Matrix3d& I) {
 }
 
 }  // namespace
+
+void refuse_keys_of_others(const Section& s) {
+  const bool has_superelement = s.has("superelement"), has_beam = s.has("beam");
+  std::vector<std::string> given;
+  if (has_superelement || has_beam)
+    for (const char* key : {"mass", "center", "inertia"})
+      if (s.has(key)) given.emplace_back(key);
+  // A superelement may be rigid in one run and deform in another.
+  if (!has_superelement)
+    for (const input::Key& key : flexible_body_keys())
+      if (key.name != "fidelity" && key.name != "surface_point" && s.has(key.name)) given.push_back(key.name);
+  if (!given.empty()) {
+    std::string rule =
+        has_superelement ? "a superelement brings its own mass, centre and inertia"
+        : has_beam ? "a beam brings its own mass, centre and inertia, and has no modes of a superelement"
+                   : "a rigid body has no modes and does not deform";
+    if (given.size() > 1) rule += fmt::format(" ({} are given)", fmt::join(given, ", "));
+    s.refuse(given.front(), rule,
+             fmt::format("{} or take {} away",
+                         has_superelement ? "give no superelement"
+                         : has_beam       ? "give no beam"
+                                          : "give a superelement (flexura reduce)",
+                         given.size() == 1 ? "it" : "them"));
+  }
+  if (has_superelement || has_beam || !s.has("fidelity") || s.text("fidelity") == kAutomaticFidelity) return;
+  if (const Fidelity& fidelity = fidelity_of(s);
+      fidelity.of_superelement && fidelity.of_superelement->deforms())
+    s.refuse("fidelity", "a body of mass and inertia does not deform",
+             "give a superelement (flexura reduce) or fidelity = \"rigid\"");
+}
 
 RigidInertia read_inertia(const Section& s) {
   if (!s.has("mass")) s.refuse("", "has neither mass nor superelement", "give one of them");
