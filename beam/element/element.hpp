@@ -76,6 +76,16 @@ struct InertiaBlocks {
                                        Matrix12d::Zero(), Matrix12d::Zero(), Matrix12d::Zero()};
 };
 
+/// What fields of acceleration of the piece from node 1 to a section ask of the section, where no force but the section's
+/// holds the piece: integrals of W_i . a dm over it, W_i its unit displacements (along x, y, z) and rotations (about them,
+/// at the section's axis) in the element's axes, so force [N] and moment [N m] there.
+struct CutInertia {
+  Eigen::Matrix<double, 6, 12> of_position =
+      Eigen::Matrix<double, 6, 12>::Zero();  ///< a = e_b; column 3 + 3 a + b: x_a e_b, in B
+  std::array<Eigen::Matrix<double, 6, 12>, 9> of_ends =
+      {};  ///< 3 a + b: e_b u_a, u of the dofs of inertia_blocks()
+};
+
 /// Where an element's local frame sits: q_local = T q_nodes with rotated axes and rigid end offsets.
 struct Placement {
   Eigen::Matrix3d R_BE = Eigen::Matrix3d::Identity();  ///< columns: element axes x, y, z in B
@@ -144,6 +154,9 @@ class Element {
 
   /// Integrals of the element placed in B; dofs are the nodal ones of `placement`.
   InertiaBlocks inertia_blocks(const Placement& placement) const;
+
+  /// Of the piece from node 1 to x.
+  CutInertia cut_inertia(const Placement& placement, double x) const;
 
  private:
   struct Station {

@@ -2,43 +2,85 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "mbs/bodies/left_out_modes.hpp"
+#include "mbs/bodies/particle_acceleration.hpp"
 #include "mbs/superelement/superelement.hpp"
 
 namespace flexura::mbs {
 
-/// (N, V_y, V_z, T, M_y, M_z) on the section that looks along +x of its member, in the member's axes [N, N
-/// m].
+/// (N, V_y, V_z, T, M_y, M_z) on the section that looks along +x of its member [N, N m].
 using SectionForce = Eigen::Matrix<double, 6, 1>;
 
-/// Section forces of a beam part in motion, S(p) Y s and those of preloads times their factors (as in stress_field.hpp), at
-/// places of which the whole history is wanted: each the nearest one that the superelement knows.
+/// Section forces of a beam part in motion, at places of which the whole history is wanted:
+///
+///     S Y (s + Omega^-2 D s') + G c + H B + L f
+///
+/// the elasticity's and the dampers' part by the shapes S and the body's stiffness Omega^2 and damping D, and what its own
+/// acceleration (c, B: particle_acceleration.hpp) and load cases (factors f) add along the members; the modes left out
+/// (left_out_modes.hpp) add S u_left.  So each cut is in balance with all that acts on either side of it.  Between the places that the superelement knows they follow by a cubic
+/// along the member.
+///
+/// They come in the axes of the section as it has turned with the deformation: what frame the body has is then of no
+/// account.  With geometric stiffness the shapes' forces are in these axes already, without it in the member's.
 class SectionPoints {
  public:
-  struct Point {
+  enum class Axes { section, member };
+  struct Wanted {
     std::string name;
-    double distance = 0.0;  ///< from where it was wanted [m]
+    int member = -1;
+    double share = 0.0;  ///< of the member's length, from its first node
+    Axes axes = Axes::section;
+  };
+  struct Point {
+    Wanted wanted;
+    double distance = 0.0;  ///< from where it was wanted, along the member [m]
+  };
+  /// A place on a member.
+  struct Near {
+    int member = -1;
+    double share = 0.0, distance = 0.0;
   };
 
-  /// `Y` n_se x m.
-  SectionPoints(const superelement::SectionForces& forces, const Eigen::MatrixXd& Y)
-      : forces_(forces), Y_(Y) {}
-  /// `wanted` [m] in B.
-  void add_point(const std::string& name, const Eigen::Vector3d& wanted);
+  SectionPoints(const superelement::SectionForces& forces, const ModalData& body,
+                std::optional<LeftOutModes> left_out = {});
+  const std::vector<std::string>& members() const { return forces_.members; }
+  double length(int member) const;  ///< [m]
+  /// The nearest places (of `member` alone where that is not -1) to a position [m] in B: several where members meet.
+  std::vector<Near> nearest(const Eigen::Vector3d& wanted, int member = -1) const;
+  void add_point(const Wanted& wanted);
   const std::vector<Point>& points() const { return points_; }
+  /// `section force at 2 m of member "arm", in the section's axes`.
+  std::string describe(int point) const;
 
-  bool has_loads() const { return forces_.of_loads.size() > 0; }
+  /// False for a superelement that does not know what bears on a cut within a member: then the shapes' part at the nearest place,
+  /// in the member's axes, and of the load cases the preloads.
+  bool is_whole() const { return forces_.of_acceleration.size() > 0; }
+  /// True where at() wants to know what acts on the nodes.
+  bool takes_node_loads() const { return is_whole() && left_out_.has_value(); }
   /// `factors` of the load cases; may be null.
-  SectionForce at(int point, const double* s, const double* factors = nullptr) const;
+  SectionForce at(int point, const BodyMotion& motion, const double* factors = nullptr) const;
 
  private:
+  struct Maps {
+    Eigen::Matrix3d R_BS;
+    Eigen::Matrix<double, 6, Eigen::Dynamic> of_s, of_rates, of_loads, of_deformation, of_nodes;
+    Eigen::Matrix<double, 6, 12> of_acceleration;
+    Eigen::Matrix3Xd turning;
+  };
+  std::pair<Eigen::Index, Eigen::Index> places_of(int member) const;
+
   superelement::SectionForces forces_;
-  Eigen::MatrixXd Y_;
+  Eigen::MatrixXd Y_, of_damping_;  // of_damping_: Y Omega^-2 D
+  Coupling coupling_;
+  bool is_stiffened_;
+  std::optional<LeftOutModes> left_out_;
   std::vector<Point> points_;
-  std::vector<Eigen::MatrixXd> of_modes_;  // 6 x m each
-  std::vector<Eigen::MatrixXd> of_loads_;  // 6 x load cases each
+  std::vector<Maps> maps_;
 };
 
 }  // namespace flexura::mbs

@@ -55,7 +55,40 @@ void StressField::set_loads(Eigen::MatrixXd of_loads) {
   of_loads_ = std::move(of_loads);
 }
 
-Stress StressField::at(int place, const double* s, const double* factors) const {
+void StressField::set_inertia(Eigen::MatrixXd of_acceleration, Eigen::MatrixXd rigid_motions,
+                              Coupling coupling, std::optional<LeftOutModes> left_out) {
+  if (of_acceleration.size() > 0 && of_acceleration.rows() != given_->rows())
+    throw std::invalid_argument("the stresses of acceleration do not fit the places of the stress modes");
+  of_acceleration_ = std::move(of_acceleration);
+  rigid_motions_ = std::move(rigid_motions);
+  coupling_ = coupling;
+  left_out_ = std::move(left_out);
+}
+
+Eigen::VectorXd StressField::beyond(const BodyMotion& motion, const double* factors) const {
+  const Eigen::Index n_z = of_acceleration_.cols(), n_se = given_->cols(), n_b = n_z - 6, m = Y_.cols();
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(n_z + (left_out_ ? n_se : 0));
+  if (out.size() == 0) return out;
+  const ParticleAcceleration by(motion, static_cast<int>(m), coupling_);
+  if (n_z > 0) {
+    // A less its turning, [alpha]x, which the rigid motions have.
+    const Eigen::Matrix3d A = by.c.tail<9>().reshaped(3, 3), even = 0.5 * (A + A.transpose());
+    out.head<6>() << even.diagonal(), even(0, 1), even(1, 2), even(2, 0);
+    Eigen::Matrix<double, 6, 1> rigid;
+    rigid << motion.a, motion.alpha;
+    out.segment(6, n_b) = rigid_motions_.topRows(n_b) * rigid +
+                          Y_.topRows(n_b) * Eigen::Map<const Eigen::VectorXd>(motion.s_ddot, m);
+  }
+  if (!left_out_) return out;
+  auto u_left = out.tail(n_se);
+  u_left = left_out_->of_acceleration * by.c + left_out_->of_deformation * by.B;
+  if (motion.on_nodes.size() > 0) u_left += left_out_->of_nodes * motion.on_nodes;
+  if (factors && left_out_->of_loads.cols() > 0)
+    u_left += left_out_->of_loads * Eigen::Map<const Eigen::VectorXd>(factors, left_out_->of_loads.cols());
+  return out;
+}
+
+Stress StressField::at(int place, const double* s, const double* factors, const Eigen::VectorXd* more) const {
   const Eigen::Map<const Eigen::VectorXd> by(s, Y_.cols());
   const auto point = std::ranges::find(points_, place, &Point::place);
   Stress sigma =
@@ -63,13 +96,23 @@ Stress StressField::at(int place, const double* s, const double* factors) const 
   if (factors && has_loads())
     sigma +=
         of_loads_.middleRows(6 * place, 6) * Eigen::Map<const Eigen::VectorXd>(factors, of_loads_.cols());
+  if (more && more->size() > 0) {
+    const Eigen::Index n_z = of_acceleration_.cols();
+    if (n_z > 0) sigma += of_acceleration_.middleRows(6 * place, 6) * more->head(n_z);
+    if (left_out_) sigma += given_->middleRows(6 * place, 6) * more->tail(given_->cols());
+  }
   return sigma;
 }
 
-StressField::Largest StressField::largest(const double* s, const double* factors) const {
+StressField::Largest StressField::largest(const double* s, const double* factors,
+                                          const Eigen::VectorXd* more) const {
   Eigen::VectorXd sigma = everywhere() * Eigen::Map<const Eigen::VectorXd>(s, Y_.cols());
   if (factors && has_loads())
     sigma += of_loads_ * Eigen::Map<const Eigen::VectorXd>(factors, of_loads_.cols());
+  if (more && more->size() > 0) {
+    if (of_acceleration_.cols() > 0) sigma += of_acceleration_ * more->head(of_acceleration_.cols());
+    if (left_out_) sigma += *given_ * more->tail(given_->cols());
+  }
   Largest out;
   for (int k = 0; k < places(); ++k)
     if (const double value = von_mises(sigma.segment<6>(6 * k)); value > out.von_mises) out = {value, k};

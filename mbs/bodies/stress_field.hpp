@@ -4,17 +4,21 @@
 #include <Eigen/Core>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "mbs/bodies/left_out_modes.hpp"
+#include "mbs/bodies/particle_acceleration.hpp"
+
 /// Stresses of a flexible body in motion, from stress modes (theory: UM 11.1.3):
 ///
-///     sigma(v, t) = S(v) Y s(t) + sum_i S_i(v) f_i(t)
+///     sigma(v, t) = S(v) (Y s(t) + u_left) + sum_i S_i(v) f_i(t) + G(v) z(t)
 ///
 /// with the superelement's stress modes S at the places v and the basis Y: O(m) for one place, whatever the
-/// mesh.  S_i is the stress of load case i on the body with all its nodes held (of a preload; of others it is zero), f_i the
-/// case's factor.  What the body does not show at its interfaces and modes (loads inside, fast waves) it has no stress
-/// of; with response modes for the loads in use the static part is the superelement's.
+/// mesh.  S_i is what load case i, of the factor f_i, adds, G what the body's own acceleration does (StressModes of the
+/// superelement), u_left what the modes left out give way (left_out_modes.hpp): the stress is in balance with what loads
+/// the body inside, too, as far as the superelement knows.
 namespace flexura::mbs {
 
 using Stress = Eigen::Matrix<double, 6, 1>;  ///< xx, yy, zz, xy, yz, zx [Pa], in B
@@ -62,13 +66,25 @@ class StressField {
   void set_loads(Eigen::MatrixXd of_loads);
   bool has_loads() const { return of_loads_.size() > 0; }
 
-  Stress at(int place, const double* s, const double* factors = nullptr) const;
+  /// 6 n_s x (6 + n_b) as in StressModes, or empty; `rigid_motions` n_se x 6; `left_out` of the modes.
+  void set_inertia(Eigen::MatrixXd of_acceleration, Eigen::MatrixXd rigid_motions, Coupling coupling,
+                   std::optional<LeftOutModes> left_out);
+  bool has_inertia() const { return of_acceleration_.size() > 0; }
+  /// True where beyond() wants to know what acts on the nodes.
+  bool takes_node_loads() const { return left_out_.has_value(); }
+  /// What the modes do not show of a motion: (z, u_left); empty where nothing is known of it.  For `more` below.
+  Eigen::VectorXd beyond(const BodyMotion& motion, const double* factors) const;
+
+  Stress at(int place, const double* s, const double* factors = nullptr,
+            const Eigen::VectorXd* more = nullptr) const;
   /// The elastic strain, of which the stress is; a preload's own strain is not in it.
-  Strain strain_at(int place, const double* s, const double* factors = nullptr) const {
-    return compliance_[material_[place]] * at(place, s, factors);
+  Strain strain_at(int place, const double* s, const double* factors = nullptr,
+                   const Eigen::VectorXd* more = nullptr) const {
+    return compliance_[material_[place]] * at(place, s, factors, more);
   }
   /// Over all places.
-  Largest largest(const double* s, const double* factors = nullptr) const;
+  Largest largest(const double* s, const double* factors = nullptr,
+                  const Eigen::VectorXd* more = nullptr) const;
 
  private:
   const Eigen::MatrixXd& everywhere() const;
@@ -77,7 +93,9 @@ class StressField {
   Eigen::MatrixXd Y_;
   mutable std::once_flag once_;
   mutable Eigen::MatrixXd S_;  // 6 n_s x m
-  Eigen::MatrixXd of_loads_;
+  Eigen::MatrixXd of_loads_, of_acceleration_, rigid_motions_;
+  Coupling coupling_ = Coupling::full;
+  std::optional<LeftOutModes> left_out_;
   Eigen::Matrix3Xd x_;  // 3 x n_s
   std::vector<int> vertices_;
   std::vector<Eigen::Matrix<double, 6, 6>> compliance_;

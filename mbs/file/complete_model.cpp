@@ -5,6 +5,7 @@
 
 #include "mbs/bodies/modal_basis.hpp"
 #include "mbs/file/bodies/read_flexible_body.hpp"
+#include "mbs/file/bodies/read_section_points.hpp"
 #include "mbs/file/bodies/read_surface_patch.hpp"
 
 namespace flexura::mbs {
@@ -62,9 +63,14 @@ void prepare_bodies(ReadModel& model) {
     const auto [first_mesh, last_mesh] = model.meshes.equal_range(b);
     for (auto mesh = first_mesh; mesh != last_mesh; ++mesh)
       mesh->second->set_shapes(se->shapes.cast<double>() * data.Y);
-    if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, se, data);
+    std::vector<BodyNode> nodes;  // all that is loaded; none where loads are on the surface, too
+    if (first == last && first_mesh == last_mesh) {
+      nodes = interface_nodes(*se);
+      nodes.insert(nodes.end(), model.linked[b].begin(), model.linked[b].end());
+    }
+    if (wants_stress(s)) d.bodies[b].stress = read_stress_field(s, se, data, nodes);
     if (wants_surface_points(s)) d.bodies[b].surface_points = read_surface_points(s, *se, &data);
-    if (wants_sections(s)) d.bodies[b].sections = read_section_points(s, *se, data);
+    if (wants_sections(s)) d.bodies[b].sections = read_section_points(s, *se, data, nodes, model.notes);
     d.bodies[b].flexible = body;
     d.bodies[b].loads = body_loads(*se, data.Y);
   }

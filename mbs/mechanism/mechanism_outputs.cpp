@@ -75,6 +75,7 @@ void MechanismOutputs::evaluate(const std::vector<int>& which, const State& s, C
   take_measures(is_late, false, work, measured);
   take_controls(true, work, controlled);
   m_.followed.evaluate(TreeMotion::Level::velocity, work.motion, work.signals, work.rows);
+  for (Spatial& load : work.wrenches.on_marker) load = {};
   BodyLoads loads(m_.tree, work.motion, work.wrenches, 1.0);
   work.wrenches.on_closure.assign(m_.tree.places.size(), Vector6d::Zero());
   for (std::size_t i = 0; i < d.forces.size(); ++i) {

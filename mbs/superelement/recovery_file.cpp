@@ -15,9 +15,8 @@ namespace {
 
 void write_of_loads(Group& group, const Eigen::MatrixXd& of_loads, const std::string& unit) {
   if (of_loads.size() > 0)
-    hdf5::write_matrix(
-        group, "of_loads", of_loads.transpose(), unit,
-        "row i: what load case i adds itself, as a preload does, places and components as above");
+    hdf5::write_matrix(group, "of_loads", of_loads.transpose(), unit,
+                       "row i: what load case i adds to the shapes', places and components as above");
 }
 
 Eigen::MatrixXd read_of_loads(const Group& group, const Superelement& se, Eigen::Index rows) {
@@ -43,6 +42,11 @@ void write_stress(Group root, const StressModes& stress) {
   }
   group.set("precision", stress.double_precision ? "float64" : "float32");
   write_of_loads(group, stress.of_loads, "Pa");
+  if (stress.of_acceleration.size() > 0) {
+    const RowMajorXf of_acceleration = stress.of_acceleration.transpose().cast<float>();
+    write_rows(group, "of_acceleration", of_acceleration, "Pa s^2, Pa s^2 per dof",
+               "(j, 6 s + c): what inertia adds, j = 6 fields e_a x_b, then the interface shapes, float32");
+  }
   if (stress.compliance.empty()) return;
   Eigen::MatrixXd compliance(6 * static_cast<Eigen::Index>(stress.compliance.size()), 6);
   for (std::size_t k = 0; k < stress.compliance.size(); ++k)
@@ -87,6 +91,12 @@ void read_stress(const Group& root, Superelement& se) {
   read_compliance(group, stress);
   const Eigen::Index width = 6 * static_cast<Eigen::Index>(places[0]);
   stress.of_loads = read_of_loads(group, se, width);
+  if (group.has("of_acceleration")) {
+    RowMajorXf of_acceleration(6 + se.n_b, width);
+    group.read("of_acceleration", {static_cast<std::size_t>(6 + se.n_b), static_cast<std::size_t>(width)},
+               of_acceleration.data());
+    stress.of_acceleration = of_acceleration.transpose().cast<double>();
+  }
   if (stress.double_precision) {
     stress.S = hdf5::read_matrix(group, "modes", se.n(), width).transpose();
     return;
@@ -111,6 +121,15 @@ void write_sections(Group root, const SectionForces& sections) {
   write_rows(group, "forces", by_shape, "N, N m per dof",
              "(k, 6 p + c): section force of shape k at place p, c = N, V_y, V_z, T, M_y, M_z");
   write_of_loads(group, sections.of_loads, "N, N m");
+  if (sections.of_acceleration.size() == 0) return;
+  hdf5::write_matrix(group, "of_acceleration", sections.of_acceleration.transpose(),
+                     "N, N m per m/s^2, 1/s^2",
+                     "(j, 6 p + c): what inertia adds, j = e_b, then x_a e_b in row 3 + 3 a + b");
+  const RowMajorXf of_deformation = sections.of_deformation.transpose();
+  write_rows(group, "of_deformation", of_deformation, "N, N m per shape/s^2",
+             "(9 k + 3 a + b, 6 p + c): what the inertia of phi_k,a e_b adds, float32");
+  hdf5::write_matrix(group, "turning", sections.turning.transpose(), "rad per dof",
+                     "(k, 3 p + a): rotation of the section by shape k, in B");
 }
 
 void read_sections(const Group& root, Superelement& se) {
@@ -124,11 +143,19 @@ void read_sections(const Group& root, Superelement& se) {
   }
   read_rows(group, "positions", sections.positions);
   read_rows(group, "axes", sections.axes);
-  const auto n_p = static_cast<std::size_t>(sections.positions.rows());
-  sections.member.resize(n_p);
-  group.read("member", {n_p}, sections.member.data());
+  const auto n_places = static_cast<std::size_t>(sections.positions.rows());
+  sections.member.resize(n_places);
+  group.read("member", {n_places}, sections.member.data());
   sections.S = hdf5::read_matrix(group, "forces", se.n(), 6 * sections.positions.rows()).transpose();
-  sections.of_loads = read_of_loads(group, se, 6 * sections.positions.rows());
+  const Eigen::Index n_p = sections.positions.rows();
+  sections.of_loads = read_of_loads(group, se, 6 * n_p);
+  if (!group.has("of_acceleration")) return;
+  sections.of_acceleration = hdf5::read_matrix(group, "of_acceleration", 12, 6 * n_p).transpose();
+  sections.turning = hdf5::read_matrix(group, "turning", se.n(), 3 * n_p).transpose();
+  RowMajorXf of_deformation(9 * se.n(), 6 * n_p);
+  group.read("of_deformation", {static_cast<std::size_t>(9 * se.n()), static_cast<std::size_t>(6 * n_p)},
+             of_deformation.data());
+  sections.of_deformation = of_deformation.transpose();
 }
 
 }  // namespace flexura::superelement

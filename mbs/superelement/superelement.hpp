@@ -92,8 +92,14 @@ struct StressModes {
   std::vector<Eigen::Matrix<double, 6, 6>> compliance = {};
   std::vector<std::int32_t> material = {};  ///< n_s: index of each place's compliance
   bool double_precision = false;            ///< of the file; float32 otherwise
-  /// 6 n_s x load cases [Pa]: what preloads among them add, the stress of the body with every node held; empty: nothing.
+  /// 6 n_s x load cases [Pa]: what each adds to the shapes' stress: a preload that of the body with every node held, the
+  /// others that of the deformation which the shapes lack (F_rs p, see of_acceleration); empty: nothing.
   Eigen::MatrixXd of_loads = {};
+  /// 6 n_s x (6 + n_b): what the body's own inertia adds, the stress of F_rs times the load of -1 times these fields of
+  /// acceleration, F_rs = K_ii^-1 - Phi Omega^-2 Phi^T what the modes left out give way: the six e_a x_b (a = b) and
+  /// e_a x_b + e_b x_a for (a, b) = xx, yy, zz, xy, yz, zx [Pa s^2], then the constraint shapes phi_k [Pa per unit of
+  /// the shape over s^2].  Uniform and angular acceleration are the shapes' rigid motions.  Empty: not known.
+  Eigen::MatrixXd of_acceleration = {};
 };
 
 /// Section forces of every shape at places along the members of a beam part, so that at run time
@@ -101,8 +107,13 @@ struct StressModes {
 ///     (N, V_y, V_z, T, M_y, M_z)(place) = sum_k S_k(place) u_se,k
 ///
 /// on the section that looks along +x of the member, in the member's axes: those that the sections'
-/// elasticity asks for where the member is deformed so (loads along a member add their own part between its
-/// nodes).
+/// elasticity asks for where the member is deformed so.  That is not all: what acts along a member, its own inertia and
+/// load cases, bears on the cut by itself and deforms the part beyond what the shapes show.  With the acceleration of the
+/// particle at x, less gravity, in B
+///
+///     a(x) = sum_j a_j(x) c_j + sum_k,a,b B_k,ba phi_k,a(x) e_b,    a_j = e_b, then x_a e_b (row 3 + 3 a + b)
+///
+/// the section forces have of_acceleration c + of_deformation B in addition, and of_loads times the factors of the cases.
 struct SectionForces {
   std::vector<std::string> members;
   std::vector<std::int32_t> member;  ///< n_p: index of each place's member; a member's places follow along it
@@ -111,7 +122,11 @@ struct SectionForces {
   Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> axes;
   Eigen::MatrixXd
       S;  ///< 6 n_p x n [N, N m per unit of the shape]: N, V_y, V_z, T, M_y, M_z of place 0, then 1
-  Eigen::MatrixXd of_loads = {};  ///< 6 n_p x load cases: as of StressModes
+  Eigen::MatrixXd of_loads = {};         ///< 6 n_p x load cases: what each adds; empty: nothing
+  Eigen::MatrixXd of_acceleration = {};  ///< 6 n_p x 12 [N s^2/m, ...]; empty: not known
+  Eigen::MatrixXf of_deformation = {};   ///< 6 n_p x 9 n, column 9 k + 3 a + b; with of_acceleration
+  Eigen::MatrixXd turning =
+      {};  ///< 3 n_p x n: rotation of the section by shape k, in B; with of_acceleration
 };
 
 /// Vectors p_se = T^T p of load cases kept for run time (gravity needs none: it follows from the integrals).

@@ -294,8 +294,10 @@ class Check {
     const auto n_s = static_cast<Eigen::Index>(stress.vertices.size());
     sized_and_finite("the stress modes", stress.S, 6 * n_s, se_.n());
     if (stress.of_loads.size() > 0)
-      sized_and_finite("the stresses of preloads", stress.of_loads, 6 * n_s,
+      sized_and_finite("the stresses of load cases", stress.of_loads, 6 * n_s,
                        static_cast<Eigen::Index>(se_.load_cases.size()));
+    if (stress.of_acceleration.size() > 0)
+      sized_and_finite("the stresses of acceleration", stress.of_acceleration, 6 * n_s, 6 + se_.n_b);
     std::int32_t last = -1;
     if (!stress.compliance.empty()) {
       for (const auto& C : stress.compliance) sized_and_finite("the compliance", C, 6, 6);
@@ -320,14 +322,30 @@ class Check {
     sized_and_finite("the axes of the section forces", sections.axes, n_p, 9);
     sized_and_finite("the section forces", sections.S, 6 * n_p, se_.n());
     if (sections.of_loads.size() > 0)
-      sized_and_finite("the section forces of preloads", sections.of_loads, 6 * n_p,
+      sized_and_finite("the section forces of load cases", sections.of_loads, 6 * n_p,
                        static_cast<Eigen::Index>(se_.load_cases.size()));
+    if (sections.of_acceleration.size() > 0) {
+      sized_and_finite("the section forces of acceleration", sections.of_acceleration, 6 * n_p, 12);
+      sized_and_finite("the section forces of accelerated deformation", sections.of_deformation, 6 * n_p,
+                       9 * se_.n());
+      sized_and_finite("the turning of the sections", sections.turning, 3 * n_p, se_.n());
+    }
+    std::vector<std::int32_t> places(sections.members.size());
+    std::int32_t last = 0;
     for (const std::int32_t member : sections.member) {
       if (member < 0 || member >= static_cast<std::int32_t>(sections.members.size())) {
         refuse(
             fmt::format("the section forces name member {}, there are {}", member, sections.members.size()));
       }
+      if (member < last) refuse("the places of the section forces do not follow each other by members");
+      last = member;
+      ++places[static_cast<std::size_t>(member)];
     }
+    const int wanted = sections.of_acceleration.size() > 0 ? 4 : 1;
+    for (std::size_t m = 0; m < places.size(); ++m)
+      if (places[m] < wanted)
+        refuse(fmt::format("the section forces know {} places of member \"{}\", {} are wanted", places[m],
+                           sections.members[m], wanted));
   }
 
  private:

@@ -378,8 +378,10 @@ Pictures read_pictures(const results::ModelHeader& model, const std::filesystem:
       parts.surface = parts.shapes = parts.stress = parts.sections = true;
       Superelement read = superelement::read(path, parts);
       // Factors of preloads are not kept beside the motion, so that the stresses would lack those.
-      if (read.stress && read.stress->of_loads.size() > 0) read.stress.reset();
-      if (read.sections && read.sections->of_loads.size() > 0) read.sections.reset();
+      if (std::ranges::any_of(read.load_cases, &superelement::LoadCase::is_preload)) {
+        read.stress.reset();
+        read.sections.reset();
+      }
       se = std::make_shared<const Superelement>(std::move(read));
     }
     pictures[body.name] = se;

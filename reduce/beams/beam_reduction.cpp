@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <numeric>
 #include <stdexcept>
 
@@ -98,11 +99,14 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
   linalg::report(options.progress, "assembly", 0.0);
   const Numbering numbering(structure, interfaces);
   const int n_i = numbering.n_i, n_b = numbering.n_b;
-  const SplitMatrix K(structure.stiffness(), numbering), M(structure.mass(), numbering);
+  const auto stiffness = std::make_shared<const SplitMatrix>(structure.stiffness(), numbering);
+  const SplitMatrix& K = *stiffness;
+  const SplitMatrix M(structure.mass(), numbering);
   report.seconds_assembly = watch.lap();
   linalg::report(options.progress, "factorisation", 0.0);
 
-  const linalg::CholeskyFactor factor = factorise(structure, numbering, K);
+  const auto factored = std::make_shared<const linalg::CholeskyFactor>(factorise(structure, numbering, K));
+  const linalg::CholeskyFactor& factor = *factored;
   report.factor = factor.figures();
   watch.lap();
 
@@ -236,6 +240,16 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
     reduction.omega2_dropped = n_q > 0 ? pairs.omega2(n_q - 1) : 0.0;
     report.seconds_estimate = watch.lap();
   }
+  result.left_out = [stiffness, factored, numbering, Phi = pairs.Phi, omega2 = pairs.omega2,
+                     n_dofs = structure.n_dofs()](const MatrixXd& P) {
+    MatrixXd out = MatrixXd::Zero(n_dofs, P.cols());
+    if (numbering.n_i == 0 || P.cols() == 0) return out;
+    const MatrixXd P_i = P(numbering.dof_of, Eigen::all);
+    MatrixXd X = solve_refined(*factored, *stiffness->ii, P_i);
+    if (Phi.cols() > 0) X -= Phi * (omega2.cwiseInverse().asDiagonal() * linalg::transpose_times(Phi, P_i));
+    out(numbering.dof_of, Eigen::all) = X;
+    return out;
+  };
   report.n_nodes = mesh.n_dofs() / 6;
   report.n_cells = static_cast<int>(mesh.elements().size());
   for (const AttachedSolid& solid : structure.solids()) {

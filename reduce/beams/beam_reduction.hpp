@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -20,6 +21,9 @@ namespace flexura::reduce {
 struct BeamReduction {
   Reduction reduction;  ///< shapes at the vertices of the structure's picture
   Eigen::MatrixXd T;    ///< n_dofs x n: dofs of the structure from the superelement's, for recovery
+  /// F_rs P = (K_ii^-1 - Phi Omega^-2 Phi^T) P_i on all dofs, the interfaces at rest: how far the structure gives way to
+  /// loads P (n_dofs x k) beyond what T shows.  Needs a linalg::Session.
+  std::function<Eigen::MatrixXd(const Eigen::MatrixXd& P)> left_out;
 };
 
 /// Reduces the structure.  `options.shape_nodes` is not used; shapes are given at the structure's picture.

@@ -121,6 +121,7 @@ class ReductionStages {
     const double omega2_left_out = pairs.omega2_next;
     make_basis(problem, std::move(pairs));
     project_basis();
+    find_left_out();
     stiffen();
     solver_.reset();  // what follows takes memory of its own
     kept_.reset();
@@ -149,7 +150,9 @@ class ReductionStages {
 
   // The interior's answer to acceleration of the interface, wanted by estimates and response modes.
   void answer_acceleration() {
-    if (!fixed_modes_ || !(options_.estimate_error || by_goal() || !options_.response_omegas.empty())) return;
+    if (!fixed_modes_ || !(options_.estimate_error || by_goal() || !options_.response_omegas.empty() ||
+                           knows_left_out_stress()))
+      return;
     const Index n_b = model_.n_b();
     MatrixXd U, M_U, boundary;
     model_.expand(constraint_.Psi, MatrixXd::Identity(n_b, n_b), U);
@@ -219,6 +222,54 @@ class ReductionStages {
     project(whole_, part_, model_, basis_, faces_, T_, options_, reduction_);
     report_.seconds_projection = watch_.lap();
     linalg::report(options_.progress, "projection", 1.0);
+  }
+
+  // Elastic ties, modes of the free body and a team's shares leave it unknown.
+  bool knows_left_out_stress() const {
+    return wants_stress_ && fixed_modes_ && !has_elastic_ && !model_.share();
+  }
+
+  // What the body's own acceleration and the load cases deform beyond the shapes: F_rs p, p = -M a.  The fields are those
+  // of StressModes::of_acceleration; preloads have their answers among the shapes.
+  void find_left_out() {
+    if (!knows_left_out_stress() || model_.n_i() == 0) return;
+    const auto& points = model_.numbering().points();
+    const Index n_nodes = model_.n_nodes(), n_b = model_.n_b();
+    constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
+    MatrixXd field = MatrixXd::Zero(3 * n_nodes, 6), F, f_i, f_b;
+    for (Index node = 0; node < n_nodes; ++node)
+      for (int k = 0; k < 6; ++k) {
+        const auto [a, b] = pairs[k];
+        field(3 * node + a, k) += points(node, b);
+        if (a != b) field(3 * node + b, k) += points(node, a);
+      }
+    model_.m().multiply_kron3(field, F);
+    const auto n_loads = static_cast<Index>(options_.loads.size());
+    F.conservativeResize(Eigen::NoChange, 6 + n_loads);
+    F.leftCols(6) *= -1.0;
+    for (Index k = 0; k < n_loads; ++k)
+      F.col(6 + k) = nodal_forces(model_.m(), n_nodes, options_.loads[static_cast<std::size_t>(k)]);
+    model_.gather(F, f_i, f_b);
+    const MatrixXd answer = solver_->solve(f_i);
+    left_out_.resize(f_i.rows(), 6 + n_b + n_loads);
+    left_out_ << answer.leftCols(6), -answer_, answer.rightCols(n_loads);
+    if (basis_.Phi.cols() == 0) return;
+    MatrixXd participation(basis_.Phi.cols(), left_out_.cols());
+    participation << linalg::transpose_times(basis_.Phi, f_i.leftCols(6)),
+        -linalg::transpose_times(basis_.Phi, Mhat_),
+        linalg::transpose_times(basis_.Phi, f_i.rightCols(n_loads));
+    left_out_ -= basis_.Phi * (basis_.omega2.cwiseInverse().asDiagonal() * participation);
+  }
+
+  void put_left_out_stress() {
+    if (left_out_.cols() == 0) return;
+    const Index n_loads = static_cast<Index>(options_.loads.size()), n_fields = left_out_.cols() - n_loads;
+    const MatrixXd stress = stress_of_interior(part_, model_, left_out_, options_);
+    left_out_.resize(0, 0);
+    reduction_.stress_of_acceleration = stress.leftCols(n_fields);
+    if (n_loads == 0) return;
+    if (reduction_.stress_of_loads.size() == 0) reduction_.stress_of_loads.setZero(stress.rows(), n_loads);
+    reduction_.stress_of_loads += stress.rightCols(n_loads);
   }
 
   void estimate_dropped(double omega2_left_out) {
@@ -292,6 +343,7 @@ class ReductionStages {
     if (!wants_stress_) return;
     reduction_.stress_modes = stress_modes(whole_, part_, model_, basis_, T_, options_);
     if (!model_.share()) reduction_.stress_of_loads = stress_of_preloads(part_, options_);
+    put_left_out_stress();
     report_.seconds_stress = watch_.lap();
     if (!reduction_.mesh) return;
     const double before = linalg::processor_seconds();
@@ -329,6 +381,7 @@ class ReductionStages {
   ConstraintModes constraint_;
   InteriorDynamics interior_;
   MatrixXd Mhat_, answer_;  // M_ib + M_ii Psi, and the answer to it by stiffness alone
+  MatrixXd left_out_;  // n_i x (6 + n_b + loads): what the shapes lack of the answers to inertia and loads
   Basis basis_;
   InterfaceModes faces_;
   MatrixXd T_, states_;  // of the nodes here, and T Y of the judged motions on all nodes

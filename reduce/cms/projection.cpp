@@ -126,6 +126,26 @@ void project_loads(const Part& part, const TiedModel& model, const MatrixXd& T,
   reduction.D_se = damper_matrix(part, model, T);  // rank 0 has the dampers
 }
 
+namespace {
+
+// True where there are rotations beside the displacements.
+bool turns(const Part& part) {
+  return !part.mesh.shells.empty() || !part.beam_stresses.empty();
+}
+
+// Of displacements U on all nodes, which in a part that turns are those of the dofs u_i and u_b.
+MatrixXd stress_of(const Part& part, const TiedModel& model, const MatrixXd& u_i, const MatrixXd& u_b,
+                   const MatrixXd& U, const ReductionOptions& options) {
+  if (!turns(part)) return nodal_stress_modes(part, U, options.stress_nodes);
+  std::vector<int> rotation_of;
+  for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node)
+    rotation_of.push_back(model.numbering().rotation_of(node));
+  return nodal_stress_modes(part, U, options.stress_nodes, model.motions().expand_rotations(u_i, u_b),
+                            rotation_of);
+}
+
+}  // namespace
+
 MatrixXd stress_modes(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis,
                       const MatrixXd& T, const ReductionOptions& options) {
   if (model.share()) {
@@ -134,19 +154,24 @@ MatrixXd stress_modes(const Part& whole, const Part& part, const TiedModel& mode
     const MatrixXd T_near = model.at_nodes(T, near.nodes);
     return model.leads() ? nodal_stress_modes(near.part, T_near, near.wanted, {}, {}) : MatrixXd();
   }
-  MatrixXd rotations;
-  std::vector<int> rotation_of;
-  if (!part.mesh.shells.empty() || !part.beam_stresses.empty()) {
-    const Index n = T.cols(), n_b = model.n_b();
-    MatrixXd shapes_i = MatrixXd::Zero(model.n_i(), n), shapes_b = MatrixXd::Zero(n_b, n);
+  const Index n = T.cols(), n_b = model.n_b();
+  MatrixXd shapes_i, shapes_b;
+  if (turns(part)) {
+    shapes_i.setZero(model.n_i(), n);
+    shapes_b.setZero(n_b, n);
     shapes_i.leftCols(n_b) = basis.U_b;
     shapes_i.middleCols(n_b, basis.Phi.cols()) = basis.Phi;
     shapes_b.leftCols(n_b).setIdentity();
-    rotations = model.motions().expand_rotations(shapes_i, shapes_b);
-    for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node)
-      rotation_of.push_back(model.numbering().rotation_of(node));
   }
-  return nodal_stress_modes(part, T, options.stress_nodes, rotations, rotation_of);
+  return stress_of(part, model, shapes_i, shapes_b, T, options);
+}
+
+MatrixXd stress_of_interior(const Part& part, const TiedModel& model, const MatrixXd& X,
+                            const ReductionOptions& options) {
+  const MatrixXd at_rest = MatrixXd::Zero(model.n_b(), X.cols());
+  MatrixXd U;
+  model.expand(X, at_rest, U);
+  return stress_of(part, model, X, at_rest, U, options);
 }
 
 MatrixXd stress_of_preloads(const Part& part, const ReductionOptions& options) {

@@ -29,6 +29,10 @@ void project_loads(const Part& part, const TiedModel& model, const Eigen::Matrix
 Eigen::MatrixXd stress_modes(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis,
                              const Eigen::MatrixXd& T, const ReductionOptions& options);
 
+/// The same of deformations X of the interior (n_i x k), the interfaces at rest; not of a team.
+Eigen::MatrixXd stress_of_interior(const Part& part, const TiedModel& model, const Eigen::MatrixXd& X,
+                                   const ReductionOptions& options);
+
 /// 6 n_s x loads: what preloads among the options' loads add there; empty where none is one.
 Eigen::MatrixXd stress_of_preloads(const Part& part, const ReductionOptions& options);
 

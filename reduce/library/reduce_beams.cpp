@@ -120,19 +120,10 @@ Reduced reduce(const BeamPartInput& input, const ReduceOptions& options) {
   superelement::Superelement se =
       to_superelement(named, std::move(reduction), surface_of(structure.picture()), json.dump(1));
   se.load_cases = std::move(cases);
-  const bool preloaded =
-      std::ranges::any_of(input.cases, [](const LoadCase& load) { return !load.preloads.empty(); });
-  // Nine places show how bending runs along a member; large structures make do with fewer.
+  // What inertia adds takes nine columns for each shape: about 30 MB in all.
+  const auto most_places = static_cast<int>(150'000 / std::max<Eigen::Index>(1, beams.T.cols()));
   if (input.model.members.size() <= most_members)
-    se.sections = section_forces(
-        mesh, beams.T, std::clamp(static_cast<int>(2 * most_members / input.model.members.size()), 2, 9));
-  if (preloaded && se.sections) {
-    se.sections->of_loads.setZero(se.sections->S.rows(), static_cast<Eigen::Index>(input.cases.size()));
-    for (std::size_t k = 0; k < input.cases.size(); ++k)
-      for (std::size_t p = 0; p < se.sections->member.size(); ++p)
-        se.sections->of_loads(6 * static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(k)) =
-            preload_of(input.cases[k], se.sections->member[p]);
-  }
+    se.sections = section_forces(structure, beams, input.cases, most_places);
   return {.superelement = std::move(se), .text = std::move(text), .json = json};
 }
 

@@ -1,31 +1,192 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/superelement/section_forces.hpp"
 
-namespace flexura::reduce {
+#include <algorithm>
+#include <array>
+#include <optional>
 
-superelement::SectionForces section_forces(const beam::BeamMesh& mesh, const Eigen::MatrixXd& T, int places) {
-  superelement::SectionForces out;
-  const auto& members = mesh.model().members;
-  const Eigen::Index n_places = places * static_cast<Eigen::Index>(members.size());
-  out.positions.resize(n_places, 3);
-  out.axes.resize(n_places, 9);
-  out.S.resize(6 * n_places, T.cols());
-  Eigen::Index first = 0;
-  for (int m = 0; m < static_cast<int>(members.size()); ++m, first += places) {
-    out.members.push_back(members[m].name);
-    out.member.insert(out.member.end(), static_cast<std::size_t>(places), m);
-    const beam::Placement whole = beam::placement_of(mesh.model(), members[m]);
-    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R_BE = whole.R_BE;
-    for (Eigen::Index k = 0; k < T.cols(); ++k) {
-      const auto results = beam::member_results(mesh, m, T.col(k).head(mesh.n_dofs()), places);
-      for (int p = 0; p < places; ++p) {
-        out.S.block<6, 1>(6 * (first + p), k) = results[p].resultants;
-        if (k > 0) continue;
-        out.positions.row(first + p) = (whole.p_Bo1_B + results[p].x * whole.R_BE.col(0)).transpose();
-        out.axes.row(first + p) = Eigen::Map<const Eigen::Matrix<double, 1, 9>>(R_BE.data());
-      }
+namespace flexura::reduce {
+namespace {
+
+using beam::Matrix12d;
+using beam::Matrix6d;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Matrix6Xd = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
+// S_uu or S_phiphi of (a, b): (b, a) is the transpose of what is kept.
+template <class Products>
+auto products(const Products& kept, int a, int b) {
+  constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+  const bool direct = a == b || b == (a + 1) % 3;
+  using Matrix = std::decay_t<decltype(kept[0])>;
+  return direct ? kept[at[a][b]] : Matrix(kept[at[a][b]].transpose());
+}
+
+// The resultants at x of a force and moment on end 1: s = -(1 + x D) f.
+Matrix6Xd from_end_1(const Matrix6Xd& f, double x) {
+  Matrix6Xd s = -f;
+  s.row(beam::M_y) += x * s.row(beam::V_z);
+  s.row(beam::M_z) -= x * s.row(beam::V_y);
+  return s;
+}
+
+Matrix12d rotated(const Eigen::Matrix3d& R) {
+  Matrix12d out = Matrix12d::Zero();
+  for (int k = 0; k < 4; ++k) out.block<3, 3>(3 * k, 3 * k) = R;
+  return out;
+}
+
+// An element, with what its own inertia asks of end 1.
+struct CutElement {
+  CutElement(const beam::BeamMesh& mesh, const beam::MeshElement& of)
+      : record(of), element(mesh.element(of)), transform(of.placement.transform()), ends(of.placement) {
+    ends.offset_B = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    blocks = element.inertia_blocks(ends);
+  }
+
+  // End displacements in the element's axes, 12 x columns.
+  MatrixXd end_motion(const MatrixXd& U) const {
+    MatrixXd nodal(12, U.cols());
+    nodal << U.middleRows<6>(6 * record.node[0]), U.middleRows<6>(6 * record.node[1]);
+    return transform * nodal;
+  }
+  // Resultants at x by end displacements: 6 x 12.
+  MatrixXd elastic(double x) const {
+    MatrixXd map(6, 12);
+    for (int k = 0; k < 12; ++k) map.col(k) = element.section_forces(x, beam::Vector12d::Unit(k));
+    return map;
+  }
+  // What an inertia load on end 1 (axes of B) and on the piece up to x (element axes) bears on the cut.
+  Matrix6Xd inertial(const MatrixXd& on_end_1, const MatrixXd& on_piece, double x) const {
+    const MatrixXd f = rotated(ends.R_BE.transpose()).topLeftCorner<6, 6>() * on_end_1;
+    return from_end_1(f, x) + on_piece;
+  }
+
+  const beam::MeshElement& record;
+  beam::Element element;
+  Matrix12d transform;
+  beam::Placement ends;
+  beam::InertiaBlocks blocks;
+};
+
+struct Place {
+  int element = 0;  // of the mesh
+  double x = 0.0;   // in it [m]
+};
+
+std::vector<Place> places_along(const beam::BeamMesh& mesh, int member, int places) {
+  std::vector<Place> out;
+  for (std::size_t e = 0; e < mesh.elements().size(); ++e) {
+    const beam::MeshElement& record = mesh.elements()[e];
+    if (record.member != member) continue;
+    for (auto k = static_cast<int>(out.size()); k < places; ++k) {
+      const double t = static_cast<double>(k) / (places - 1);
+      if (t > record.t_2 * (1.0 + 1e-12)) break;
+      const double share = (t - record.t_1) / (record.t_2 - record.t_1);
+      out.push_back({static_cast<int>(e), record.placement.length * std::clamp(share, 0.0, 1.0)});
     }
   }
+  return out;
+}
+
+// Calls visit(cut, p, x) for the places p, at x of the element cut.
+template <class Visit>
+void visit_places(const beam::BeamMesh& mesh, const std::vector<Place>& places, const Visit& visit) {
+  std::optional<CutElement> cut;
+  int of = -1;
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    if (places[p].element != of) {
+      of = places[p].element;
+      cut.emplace(mesh, mesh.elements()[static_cast<std::size_t>(of)]);
+    }
+    visit(*cut, static_cast<Index>(p), places[p].x);
+  }
+}
+
+void put_deformation(const Structure& structure, const beam::InertiaSums& sums, const BeamReduction& beams,
+                     const std::vector<Place>& places, superelement::SectionForces& out) {
+  // So many shapes at once that what they lack stays within 100 MB.
+  const Index n = beams.T.cols(), width = std::max<Index>(1, 1'400'000 / structure.n_dofs());
+  out.of_deformation.resize(6 * static_cast<Index>(places.size()), 9 * n);
+  for (Index first = 0; first < n; first += width) {
+    const MatrixXd T = beams.T.middleCols(first, std::min(width, n - first));
+    std::array<MatrixXd, 9> lack;
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) lack[3 * a + b] = beams.left_out(-(products(sums.S_uu, b, a) * T));
+    visit_places(structure.mesh(), places, [&](const CutElement& cut, Index p, double x) {
+      const MatrixXd q_B = rotated(cut.ends.R_BE) * cut.end_motion(T), elastic = cut.elastic(x);
+      const beam::CutInertia inertia = cut.element.cut_inertia(cut.ends, x);
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) {
+          const MatrixXd on_end = products(cut.blocks.S_phiphi, b, a).topRows<6>() * q_B;
+          const MatrixXd F = elastic * cut.end_motion(lack[3 * a + b]) +
+                             cut.inertial(on_end, inertia.of_ends[3 * a + b] * q_B, x);
+          for (Index k = 0; k < T.cols(); ++k)
+            out.of_deformation.block<6, 1>(6 * p, 9 * (first + k) + 3 * a + b) = F.col(k).cast<float>();
+        }
+    });
+  }
+}
+
+}  // namespace
+
+superelement::SectionForces section_forces(const Structure& structure, const BeamReduction& beams,
+                                           const std::vector<LoadCase>& cases, int most) {
+  const beam::BeamMesh& mesh = structure.mesh();
+  const auto& members = mesh.model().members;
+  superelement::SectionForces out;
+  std::vector<Place> places;
+  std::vector<int> elements(members.size(), 0);
+  for (const beam::MeshElement& record : mesh.elements()) ++elements[record.member];
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    // Nine or more, each element's ends among them.
+    const int share = std::max(4, most / static_cast<int>(members.size())),
+              wanted = elements[m] * ((7 + elements[m]) / elements[m]) + 1;
+    const std::vector<Place> along = places_along(mesh, static_cast<int>(m), std::min(share, wanted));
+    places.insert(places.end(), along.begin(), along.end());
+    out.members.push_back(members[m].name);
+    out.member.insert(out.member.end(), along.size(), static_cast<int>(m));
+  }
+  const auto n_p = static_cast<Index>(places.size());
+  const Index n = beams.T.cols();
+  const beam::InertiaSums sums = structure.inertia();
+  put_deformation(structure, sums, beams, places, out);
+  MatrixXd P(structure.n_dofs(), 12);
+  P << -sums.S_u.transpose(), -sums.S_xu.transpose();
+  const MatrixXd lack_position = beams.left_out(P);
+  P.resize(structure.n_dofs(), static_cast<Index>(cases.size()));
+  for (std::size_t k = 0; k < cases.size(); ++k)
+    P.col(static_cast<Index>(k)) = load_vector(structure, cases[k]);
+  const MatrixXd lack_cases = beams.left_out(P);
+
+  out.positions.resize(n_p, 3);
+  out.axes.resize(n_p, 9);
+  out.S.resize(6 * n_p, n);
+  out.of_acceleration.resize(6 * n_p, 12);
+  out.turning.resize(3 * n_p, n);
+  if (!cases.empty()) out.of_loads.resize(6 * n_p, static_cast<Index>(cases.size()));
+  visit_places(mesh, places, [&](const CutElement& cut, Index p, double x) {
+    const MatrixXd q = cut.end_motion(beams.T), elastic = cut.elastic(x);
+    MatrixXd on_end(6, 12);
+    on_end << cut.blocks.S_phi.leftCols<6>().transpose(), cut.blocks.S_xphi.leftCols<6>().transpose();
+    out.S.middleRows<6>(6 * p) = elastic * q;
+    out.of_acceleration.middleRows<6>(6 * p) =
+        elastic * cut.end_motion(lack_position) +
+        cut.inertial(on_end, cut.element.cut_inertia(cut.ends, x).of_position, x);
+    const MatrixXd q_cases = cut.end_motion(lack_cases);
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      const auto k = static_cast<Index>(i);
+      beam::Vector6d F =
+          cut.element.section_forces(x, q_cases.col(k), beam::load_on(cut.record, cases[i].members));
+      F(beam::N) += preload_of(cases[i], cut.record.member);
+      out.of_loads.block<6, 1>(6 * p, k) = F;
+    }
+    out.turning.middleRows<3>(3 * p) = cut.ends.R_BE * (cut.element.shape(x) * q).bottomRows<3>();
+    out.positions.row(p) = (cut.ends.p_Bo1_B + x * cut.ends.R_BE.col(0)).transpose();
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R_BE = cut.ends.R_BE;
+    out.axes.row(p) = Eigen::Map<const Eigen::Matrix<double, 1, 9>>(R_BE.data());
+  });
   return out;
 }
 

@@ -1,16 +1,22 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "beam/model/mesh.hpp"
+#include <vector>
+
 #include "mbs/superelement/superelement.hpp"
+#include "reduce/beams/beam_reduction.hpp"
 
 namespace flexura::reduce {
 
-/// Section forces of every shape of a reduced beam part, at `places` evenly along each member:
+/// Section forces of a reduced beam part at places evenly along each member, nine or more and its elements' ends among
+/// them, so that what lies between two follows by a cubic.  `most` places in all, but four of each member at least.
 ///
-///     S_k(place) = the resultants of beam::member_results for the displacements T.col(k)
+///     S_k = the resultants of the members deformed by T.col(k)
 ///
-/// T: dofs of the structure from the superelement's; its first rows are those of the beam mesh.
-superelement::SectionForces section_forces(const beam::BeamMesh& mesh, const Eigen::MatrixXd& T, int places);
+/// What a load p along the members adds is what it bears on the cut within its element, and the resultants of the
+/// deformation F_rs p (BeamReduction::left_out) that the shapes lack: so for the load cases, and for the inertia of the
+/// fields of acceleration e_b, x_a e_b and phi_k,a e_b, p = -integral of N_b (1, x_a, phi_k,a) dm.
+superelement::SectionForces section_forces(const Structure& structure, const BeamReduction& beams,
+                                           const std::vector<LoadCase>& cases, int most);
 
 }  // namespace flexura::reduce

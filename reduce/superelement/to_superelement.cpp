@@ -127,7 +127,8 @@ superelement::Superelement to_superelement(const PartInput& input, Reduction&& r
     se.stress = superelement::StressModes{.vertices = std::move(stress_vertices),
                                           .S = std::move(reduction.stress_modes),
                                           .double_precision = input.recovery.double_precision,
-                                          .of_loads = std::move(reduction.stress_of_loads)};
+                                          .of_loads = std::move(reduction.stress_of_loads),
+                                          .of_acceleration = std::move(reduction.stress_of_acceleration)};
   se.surface = std::move(surface);
   se.shapes = std::move(reduction.shapes);
   return se;

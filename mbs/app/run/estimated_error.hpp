@@ -23,6 +23,8 @@
 ///   It counts in full, as if the output were nothing but deformation;
 /// - stress of a body, where it is stored: what its reduction says of the greatest under loads on its interfaces,
 ///   unknown where that is unbounded and at stress points; beside what the mesh makes of deformation;
+/// - section forces and stress by a body's own loads (weight, inertia, load cases): unknown where its superelement does
+///   not know what these add between the interfaces; else they are in the figures, and cost nothing;
 /// - elements of beams: two runs more with other numbers of them (mbs/study/estimate/elements_check.hpp), where the user
 ///   asked for it or for an accuracy.
 ///
@@ -34,7 +36,7 @@ namespace flexura::app {
 
 struct ErrorSource {
   std::string
-      kind;  ///< "integrator", "modes", "mesh", "stress", "elements", "plane", "link", "user_element", "surface_contact", "stiffening", "switch"
+      kind;  ///< "integrator", "modes", "mesh", "stress", "section_forces", "stress_of_own_loads", "elements", "plane", "link", "user_element", "surface_contact", "stiffening", "switch"
   std::string name;             ///< of the body or element; empty for the integrator
   std::optional<double> error;  ///< relative; nothing where it is unknown
   double at_least = 0.0;        ///< of an unknown one

@@ -24,6 +24,8 @@ std::string words_of(const std::string& kind, const std::string& names) {
   if (kind == "modes") return "modes left out of " + names;
   if (kind == "mesh") return "mesh and reduction of " + names;
   if (kind == "stress") return "stress of " + names + " by its mesh";
+  if (kind == "section_forces") return "section forces of " + names;
+  if (kind == "stress_of_own_loads") return "stress of " + names + " by its own loads";
   if (kind == "elements") return "elements of " + names;
   if (kind == "plane") return "bending across the plane of " + names;
   if (kind == "surface_contact") return "surface in contact of " + names;
@@ -151,7 +153,7 @@ std::string missed_accuracy(const ErrorEstimate& estimate, double accuracy) {
   std::vector<std::string> blind;
   for (const Entry& e : all)
     if (!e.error && (e.kind == "integrator" || e.kind == "modes" || e.kind == "stress" ||
-                     e.kind == "switch" || e.kind == "elements"))
+                     e.kind == "section_forces" || e.kind == "switch" || e.kind == "elements"))
       blind.push_back(words_of(e.kind, e.names));
   if (blind.empty()) return {};
   const bool of_elements =

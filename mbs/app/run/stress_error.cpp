@@ -20,14 +20,15 @@ struct StoredStress {
   bool any() const { return greatest || !points.empty(); }
 };
 
+bool is_stored_of(const std::vector<std::string>& stored, const std::string& opening) {
+  return std::ranges::any_of(stored, [&](const std::string& name) { return name.starts_with(opening); });
+}
+
 StoredStress stored_stress(const mbs::BodyDescription& body, const std::vector<std::string>& stored) {
-  const auto is_stored = [&](const std::string& opening) {
-    return std::ranges::any_of(stored, [&](const std::string& name) { return name.starts_with(opening); });
-  };
   StoredStress out;
-  out.greatest = is_stored(body.name + ".von_mises");
+  out.greatest = is_stored_of(stored, body.name + ".von_mises");
   for (const mbs::StressField::Point& point : body.stress->points())
-    if (is_stored(fmt::format("{}.{}.", body.name, point.name))) out.points.push_back(point);
+    if (is_stored_of(stored, fmt::format("{}.{}.", body.name, point.name))) out.points.push_back(point);
   return out;
 }
 
@@ -70,20 +71,43 @@ ErrorSource stress_of(const mbs::BodyDescription& body, const StoredStress& stor
   return out;
 }
 
+// Section forces and stresses that lack what bears on the body between its interfaces.
+void add_own_loads(const mbs::BodyDescription& body, const std::vector<std::string>& stored,
+                   const StoredStress& stress, std::vector<ErrorSource>& sources) {
+  const std::string remedy =
+      "they lack what weight, inertia and load cases bear on the body inside; reduce the part again";
+  if (body.sections && !body.sections->is_whole() &&
+      std::ranges::any_of(body.sections->points(), [&](const mbs::SectionPoints::Point& point) {
+        return is_stored_of(stored, fmt::format("{}.{}.", body.name, point.wanted.name));
+      }))
+    sources.push_back({"section_forces", body.name, {}, 0.0, remedy});
+  if (stress.any() && !body.stress->has_inertia())
+    sources.push_back(
+        {"stress_of_own_loads",
+         body.name,
+         {},
+         0.0,
+         "its reduction does not know what weight, inertia and load cases strain between the interfaces; "
+         "more modes (flexura reduce -n) leave less of it out"});
+}
+
 }  // namespace
 
 void add_stresses(const mbs::PreparedMechanism& prepared, std::vector<ErrorSource>& sources) {
   const mbs::Mechanism& mechanism = *prepared.mechanism;
   const auto& bodies = mechanism.description().bodies;
-  if (std::ranges::none_of(bodies, [](const mbs::BodyDescription& body) { return body.stress != nullptr; }))
+  if (std::ranges::none_of(bodies,
+                           [](const mbs::BodyDescription& body) { return body.stress || body.sections; }))
     return;
   const auto infos = mechanism.quantities();
   std::vector<std::string> stored;
   for (const int i : mbs::select_quantities(mechanism, prepared.file.outputs))
     stored.push_back(infos[static_cast<std::size_t>(i)].name);
   for (const mbs::BodyDescription& body : bodies) {
-    if (!body.stress || !body.flexible) continue;
-    if (const StoredStress of = stored_stress(body, stored); of.any()) sources.push_back(stress_of(body, of));
+    if (!body.flexible || !(body.stress || body.sections)) continue;
+    const StoredStress of = body.stress ? stored_stress(body, stored) : StoredStress{};
+    if (of.any()) sources.push_back(stress_of(body, of));
+    add_own_loads(body, stored, of, sources);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "mbs/bodies/modal_basis.hpp"
 #include "mbs/bodies/modal_problem.hpp"
+#include "mbs/file/bodies/read_section_points.hpp"
 #include "mbs/file/fidelities.hpp"
 #include "mbs/mechanism/acting_loads.hpp"
 
@@ -111,16 +112,12 @@ std::vector<input::Key> flexible_body_keys() {
   point.name = "stress_point";
   point.doc = "A place whose stresses and strains are stored: the nearest one with stress modes.";
   point.keys = {vector3("position", dim::length, "in the undeformed body").required()};
-  TableSchema surface_point = point, section_point = point;
+  TableSchema surface_point = point;
   surface_point.name = "surface_point";
   surface_point.doc =
       "A place whose displacement by deformation, in the body's axes, and position in the world are stored: "
       "the "
       "nearest node of the superelement's surface.";
-  section_point.name = "section_point";
-  section_point.doc =
-      "A place whose section forces are stored (N, V_y, V_z, T, M_y, M_z on the section that looks along the "
-      "member): the nearest one that the beam part's superelement knows.";
   return {
       text("superelement", "file made by flexura reduce, beside this one"),
       fidelity_key(),
@@ -166,24 +163,8 @@ std::vector<input::Key> flexible_body_keys() {
           .or_default("false"),
       table_map("stress_point", point, "places whose stresses and strains are stored"),
       table_map("surface_point", surface_point, "nodes of the surface whose displacements are stored"),
-      table_map("section_point", section_point, "places whose section forces are stored, of a beam part"),
+      table_map("section_point", section_point_table(), "places whose section forces are stored, of a beam part"),
   };
-}
-
-bool wants_sections(const Section& s) {
-  return !s.table_map("section_point").empty();
-}
-
-std::shared_ptr<const SectionPoints> read_section_points(const Section& s,
-                                                         const superelement::Superelement& se,
-                                                         const ModalData& body) {
-  if (!se.sections)
-    s.refuse("section_point", "the superelement has no section forces",
-             "reduce a beam part (members with sections); solid parts have stress_point");
-  auto out = std::make_shared<SectionPoints>(*se.sections, body.Y);
-  for (const auto& [name, point] : s.table_map("section_point"))
-    out->add_point(name, point.vector3("position"));
-  return out;
 }
 
 bool wants_surface_points(const Section& s) {
@@ -217,7 +198,8 @@ bool wants_stress(const Section& s) {
 }
 
 std::shared_ptr<const StressField> read_stress_field(
-    const Section& s, const std::shared_ptr<const superelement::Superelement>& of, const ModalData& body) {
+    const Section& s, const std::shared_ptr<const superelement::Superelement>& of, const ModalData& body,
+    const std::vector<BodyNode>& nodes) {
   const superelement::Superelement& se = *of;
   if (!se.stress || se.surface.vertices.rows() == 0)
     s.refuse(s.has("stress") ? "stress" : "stress_point", "the superelement has no stress modes",
@@ -229,6 +211,8 @@ std::shared_ptr<const StressField> read_stress_field(
   auto field = std::make_shared<StressField>(std::shared_ptr<const MatrixXd>(of, &se.stress->S), std::move(x),
                                              std::vector<int>(vertices.begin(), vertices.end()), body.Y);
   field->set_loads(se.stress->of_loads);
+  field->set_inertia(se.stress->of_acceleration, superelement::rigid_motions(se), body.coupling,
+                     nodes.empty() ? std::nullopt : left_out_modes(se, body, nodes));
   if (!se.stress->compliance.empty())
     field->set_compliance(se.stress->compliance, {se.stress->material.begin(), se.stress->material.end()});
   for (const auto& [name, point] : s.table_map("stress_point"))

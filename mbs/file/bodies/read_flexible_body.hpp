@@ -26,14 +26,6 @@ std::vector<input::Key> flexible_body_keys();
 /// True where the body's table asks for stresses.
 bool wants_stress(const input::Section& s);
 
-/// True where it asks for section forces.
-bool wants_sections(const input::Section& s);
-
-/// The section forces its table asks for; `se` with those.  Throws InputError.
-std::shared_ptr<const SectionPoints> read_section_points(const input::Section& s,
-                                                         const superelement::Superelement& se,
-                                                         const ModalData& body);
-
 /// True where it asks for nodes of the surface.
 bool wants_surface_points(const input::Section& s);
 
@@ -46,7 +38,7 @@ std::shared_ptr<const SurfacePoints> read_surface_points(const input::Section& s
 /// The stresses its table asks for; `se` with its stress modes and surface.  Throws InputError.
 std::shared_ptr<const StressField> read_stress_field(
     const input::Section& s, const std::shared_ptr<const superelement::Superelement>& se,
-    const ModalData& body);
+    const ModalData& body, const std::vector<BodyNode>& nodes);
 
 /// Builds the body; joints and forces of `d` are already there and its markers on interfaces have the
 /// interface's index as node, those on the nodes of `linked` the numbers behind.  Notes for the user are

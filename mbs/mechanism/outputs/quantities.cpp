@@ -8,6 +8,39 @@
 /// The values of quantities at one state.
 namespace flexura::mbs {
 
+namespace {
+
+// Force and moment on each node of a flexible body about the node, in B; after all loads are taken inwards.
+Eigen::VectorXd loads_on_nodes(const Topology& tree, int b, const Motion& motion, const Wrenches& wrenches) {
+  const Pose& X_WB = motion.bodies[b].X_WB;
+  const TreeBody& t = tree.bodies[b];
+  Eigen::VectorXd out =
+      Eigen::VectorXd::Zero(6 * static_cast<Eigen::Index>(tree.d.bodies[b].flexible->nodes().size()));
+  for (const int i : tree.markers_of_body[b]) {
+    if (!tree.on_node[i]) continue;
+    const MarkerDescription& marker = tree.d.markers[i];
+    Spatial F = wrenches.on_marker[i];
+    const Vector3d& p = motion.kin.markers[i].X_WP.p;
+    const auto add = [&](const Spatial& more, double sign) {
+      F.angular += sign * more.angular;
+      F.linear += sign * more.linear;
+    };
+    if (t.marker_out == i) add(wrenches.bodies[b].through_joint, 1.0);
+    for (const int c : tree.order)
+      if (tree.bodies[c].marker_in == i)
+        add(shift_wrench(wrenches.bodies[c].through_joint,
+                         motion.kin.markers[tree.bodies[c].marker_out].X_WP.p - p),
+            -1.0);
+    const Spatial at_node = X_WB.R.transpose() * F;
+    const Eigen::Index k = 6 * static_cast<Eigen::Index>(marker.node);
+    out.segment<3>(k) += at_node.linear;
+    out.segment<3>(k + 3) += at_node.angular + marker.X_BP.p.cross(at_node.linear);
+  }
+  return out;
+}
+
+}  // namespace
+
 Quantities::Quantities(const Topology& tree, const ConstraintRows& rows, int n_algebraic)
     : tree_(tree), rows_(rows), all_(list_quantities(tree, rows, n_algebraic)) {}
 
@@ -55,9 +88,7 @@ void Quantities::evaluate(const std::vector<int>& which, const Instant& at, Vect
   // Of a body's load cases, where its stresses or section forces follow them.
   const auto load_factors = [&](int body) -> const double* {
     const BodyDescription& b = tree_.d.bodies[body];
-    if (!b.is_loaded_by_case ||
-        !((b.stress && b.stress->has_loads()) || (b.sections && b.sections->has_loads())))
-      return nullptr;
+    if (!b.is_loaded_by_case || !(b.stress || b.sections)) return nullptr;
     if (factors_of == body) return factors.data();
     factors_of = body;
     factors.assign(b.loads.size(), 0.0);
@@ -69,6 +100,40 @@ void Quantities::evaluate(const std::vector<int>& which, const Instant& at, Vect
       factors[static_cast<std::size_t>(load)] += factor;
     }
     return factors.data();
+  };
+  BodyMotion body_motion;
+  Eigen::VectorXd s_ddot;
+  int motion_of = -1;
+  const auto motion_in_body = [&](int b) -> const BodyMotion& {
+    if (motion_of == b) return body_motion;
+    motion_of = b;
+    const Motion::Body& moves = motion.bodies[b];
+    const Matrix3d R_BW = moves.X_WB.R.transpose();
+    body_motion.w = R_BW * moves.V.angular;
+    body_motion.alpha = R_BW * moves.A.angular;
+    body_motion.a = R_BW * (moves.A.linear - tree_.d.gravity);
+    body_motion.s = at.deformation(b);
+    const TreeBody& t = tree_.bodies[b];
+    if (t.m > 0) {
+      body_motion.s_dot = motion.kin.v + t.i_v;
+      body_motion.s_ddot = motion.kin.v_dot + t.i_v;
+    } else {  // the deformation follows
+      s_ddot = -wrenches.r.segment(t.i_need, t.n_need);
+      body_motion.s_dot = motion.kin.c + t.i_c + t.n_need;
+      body_motion.s_ddot = s_ddot.data();
+    }
+    const BodyDescription& of = tree_.d.bodies[b];
+    body_motion.on_nodes.resize(0);
+    if ((of.sections && of.sections->takes_node_loads()) || (of.stress && of.stress->takes_node_loads()))
+      body_motion.on_nodes = loads_on_nodes(tree_, b, motion, wrenches);
+    return body_motion;
+  };
+  Eigen::VectorXd beyond;
+  int beyond_of = -1;
+  const auto stress_beyond = [&](int b) -> const Eigen::VectorXd* {
+    if (beyond_of != b) beyond = tree_.d.bodies[b].stress->beyond(motion_in_body(b), load_factors(b));
+    beyond_of = b;
+    return &beyond;
   };
   for (std::size_t i = 0; i < which.size(); ++i) {
     const Quantity& q = all_[which[i]];
@@ -111,7 +176,8 @@ void Quantities::evaluate(const std::vector<int>& which, const Instant& at, Vect
         break;
       case Kind::largest_stress: {
         const StressField& stress = *tree_.d.bodies[q.index].stress;
-        if (largest_of != q.index) largest = stress.largest(at.deformation(q.index), load_factors(q.index));
+        if (largest_of != q.index)
+          largest = stress.largest(at.deformation(q.index), load_factors(q.index), stress_beyond(q.index));
         largest_of = q.index;
         value = q.component == 0 ? largest.von_mises : stress.position(largest.place)(q.component - 1);
         break;
@@ -121,13 +187,14 @@ void Quantities::evaluate(const std::vector<int>& which, const Instant& at, Vect
         const int place = stress.points()[q.component / Quantity::kOfPoint].place,
                   what = q.component % Quantity::kOfPoint;
         const double *const modal = at.deformation(q.index), *const loads = load_factors(q.index);
-        value = what < 6    ? stress.at(place, modal, loads)(what)
-                : what == 6 ? von_mises(stress.at(place, modal, loads))
-                            : stress.strain_at(place, modal, loads)(what - 7);
+        const Eigen::VectorXd* more = stress_beyond(q.index);
+        value = what < 6    ? stress.at(place, modal, loads, more)(what)
+                : what == 6 ? von_mises(stress.at(place, modal, loads, more))
+                            : stress.strain_at(place, modal, loads, more)(what - 7);
         break;
       }
       case Kind::section_force:
-        value = tree_.d.bodies[q.index].sections->at(q.component / 6, at.deformation(q.index),
+        value = tree_.d.bodies[q.index].sections->at(q.component / 6, motion_in_body(q.index),
                                                      load_factors(q.index))(q.component % 6);
         break;
       case Kind::surface_point: {

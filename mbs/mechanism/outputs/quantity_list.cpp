@@ -173,8 +173,8 @@ std::vector<Quantity> list_quantities(const Topology& tree, const ConstraintRows
       const char* components[] = {"N", "V_y", "V_z", "T", "M_y", "M_z"};
       for (std::size_t p = 0; p < sections->points().size(); ++p)
         for (int i = 0; i < 6; ++i)
-          add(fmt::format("{}.{}.{}", name, sections->points()[p].name, components[i]),
-              i < 3 ? dim::force : dim::torque, "section force at the point, in the member's axes",
+          add(fmt::format("{}.{}.{}", name, sections->points()[p].wanted.name, components[i]),
+              i < 3 ? dim::force : dim::torque, sections->describe(static_cast<int>(p)),
               K::section_force, k, 6 * static_cast<int>(p) + i, true);
     }
   }

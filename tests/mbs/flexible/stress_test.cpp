@@ -48,23 +48,35 @@ TEST(StressField, FindsTheLargestAndTheNearestPlace) {
   EXPECT_NEAR(field.strain_at(0, twisted)(3), 5e6 * 1.3e-11, 1e-18);
 }
 
-TEST(SectionPoints, TakeTheNearestPlaceOfTheMembers) {
+// Of a file that does not know what bears within a member.
+TEST(SectionPoints, TakeTheNearestPlaceWhereThatIsAllThatIsKnown) {
   superelement::SectionForces forces;
+  forces.members = {"beam"};
+  forces.member = {0, 0};
+  forces.axes.resize(2, 9);
+  forces.axes << 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1;
   forces.positions.resize(2, 3);
   forces.positions << 0.0, 0.0, 0.0, 1.0, 0.0, 0.0;
   forces.S = Eigen::MatrixXd::Zero(12, 3);
   forces.S(0, 0) = 100.0;  // N of the first place
   forces.S(11, 2) = 7.0;   // M_z of the second
-  Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(3, 2);
-  Y(0, 0) = Y(2, 1) = 1.0;
-  SectionPoints points(forces, Y);
-  points.add_point("root", {0.1, 0.2, 0.0});
-  points.add_point("tip", {0.9, 0.0, 0.0});
-  EXPECT_NEAR(points.points()[0].distance, std::sqrt(0.05), 1e-15);
-  const double s[2] = {3.0, 2.0};
-  EXPECT_DOUBLE_EQ(points.at(0, s)(0), 300.0);
-  EXPECT_DOUBLE_EQ(points.at(0, s)(5), 0.0);
-  EXPECT_DOUBLE_EQ(points.at(1, s)(5), 14.0);
+  ModalData body;
+  body.Y = Eigen::MatrixXd::Zero(3, 2);
+  body.Y(0, 0) = body.Y(2, 1) = 1.0;
+  body.stiffness = Eigen::Vector2d(1.0, 1.0);
+  body.damping = Eigen::Vector2d::Zero();
+  SectionPoints points(forces, body);
+  ASSERT_EQ(points.nearest({0.1, 0.2, 0.0}).size(), 1u);
+  EXPECT_NEAR(points.nearest({0.1, 0.2, 0.0})[0].distance, 0.2, 1e-15);
+  points.add_point({.name = "root", .member = 0, .share = 0.1});
+  points.add_point({.name = "tip", .member = 0, .share = 0.9});
+  EXPECT_NEAR(points.points()[0].distance, 0.1, 1e-15);
+  EXPECT_FALSE(points.is_whole());
+  const double s[2] = {3.0, 2.0}, at_rest[2] = {0.0, 0.0};
+  const BodyMotion motion{.s = s, .s_dot = at_rest, .s_ddot = at_rest};
+  EXPECT_DOUBLE_EQ(points.at(0, motion)(0), 300.0);
+  EXPECT_DOUBLE_EQ(points.at(0, motion)(5), 0.0);
+  EXPECT_DOUBLE_EQ(points.at(1, motion)(5), 14.0);
 }
 
 }  // namespace

@@ -70,11 +70,18 @@ Superelement complete_beam() {
   error.at_vertices = Eigen::VectorXf::LinSpaced(se.surface.vertices.rows(), 0.0f, 1.5f);
   SectionForces& sections = se.sections.emplace();
   sections.members = {"jib", "tie \"b\""};
-  sections.member = {0, 0, 1};
-  sections.positions = Eigen::MatrixXd::Constant(3, 3, 1.0 / 3.0);
-  sections.axes = Eigen::MatrixXd::Constant(3, 9, 0.6);
-  sections.S = Eigen::MatrixXd::NullaryExpr(
-      18, n, [](Eigen::Index i, Eigen::Index k) { return 0.1 * static_cast<double>(5 * i - 2 * k); });
+  sections.member = {0, 0, 0, 0, 1, 1, 1, 1};
+  sections.positions = Eigen::MatrixXd::Constant(8, 3, 1.0 / 3.0);
+  sections.axes = Eigen::MatrixXd::Constant(8, 9, 0.6);
+  const auto some = [](Eigen::Index rows, Eigen::Index columns) {
+    return Eigen::MatrixXd::NullaryExpr(rows, columns, [](Eigen::Index i, Eigen::Index k) {
+      return 0.1 * static_cast<double>(5 * i - 2 * k);
+    });
+  };
+  sections.S = some(48, n);
+  sections.of_acceleration = some(48, 12);
+  sections.of_deformation = some(48, 9 * n).cast<float>();
+  sections.turning = some(24, n);
   return se;
 }
 
@@ -147,6 +154,9 @@ void expect_same(const Superelement& a, const Superelement& b) {
     EXPECT_EQ(a.sections->positions, b.sections->positions);
     EXPECT_EQ(a.sections->axes, b.sections->axes);
     EXPECT_EQ(a.sections->S, b.sections->S);
+    EXPECT_EQ(a.sections->of_acceleration, b.sections->of_acceleration);
+    EXPECT_EQ(a.sections->of_deformation, b.sections->of_deformation);
+    EXPECT_EQ(a.sections->turning, b.sections->turning);
   }
 }
 
