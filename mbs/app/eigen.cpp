@@ -252,11 +252,15 @@ mbs::Stability judge_stability(PreparedMechanism& p, const mbs::SteadyLinearisat
 }
 
 // A mechanism at rest beside an equilibrium, as one that is drawn without the sag of its springs, is meant to stand in
-// it.  Where anything is driven or moves, or falls far, only its user knows.
+// it.  Where anything is driven or moves, or falls far, only its user knows.  Loads that hardly bend a part leave it within
+// what counts as its equilibrium, and yet unbalanced: their accelerations would stand in the stiffness.
 std::optional<mbs::Stability> move_to_equilibrium_near(PreparedMechanism& p) {
   constexpr double kNear = 0.35;  // rad or typical sizes: 20 degrees
+  constexpr double kTold = 1e-5;  // below, the initial state counts as the equilibrium
   const mbs::Mechanism& m = *p.mechanism;
-  if (!p.state.v.isZero(0.0) || !m.functions_of_time().empty() || lasts(p)) return {};
+  if (!p.state.v.isZero(0.0)) return {};
+  const bool is_near = lasts(p);
+  if (is_near ? is_balanced(p) : !m.functions_of_time().empty()) return {};
   const mbs::State before = p.state;
   const Eigen::VectorXd v_dot = p.v_dot;
   const std::vector<std::string> notes = p.notes;
@@ -266,10 +270,11 @@ std::optional<mbs::Stability> move_to_equilibrium_near(PreparedMechanism& p) {
     for (int i = 0; i < m.sizes().n_p; ++i)
       way = std::max(way, std::abs(p.state.p(i) - before.p(i)) / m.position_scale(i));
     if (way < kNear) {
-      p.notes.insert(
-          p.notes.begin() + static_cast<long>(notes.size()),
-          "the initial state is no equilibrium: these are the modes about the one beside it, as with "
-          "--equilibrium (--frozen takes the initial state)");
+      if (way >= kTold)
+        p.notes.insert(
+            p.notes.begin() + static_cast<long>(notes.size()),
+            "the initial state is no equilibrium: these are the modes about the one beside it, as with "
+            "--equilibrium (--frozen takes the initial state)");
       return stability;
     }
   } catch (const std::runtime_error&) {  // none found: the initial state is refused for what it is
@@ -336,7 +341,7 @@ int print_modes(const Arguments& arguments, const terminal::Verbosity& verbosity
     const bool talks = !verbosity.quiet && !arguments.json;
     if (arguments.json) {
       list.push_back(to_json(run, modes, asked, arguments.count));
-      list.back()["about"] = name_of(about.verdict);
+      list.back()["about"] = about_what(p, about.verdict);
       list.back()["axes"] = about.axes;
       list.back()["stability"] = mbs::name_of(stability.verdict);
       for (std::size_t k = 0; k < list.back()["modes"].size() && arguments.fixed_axes; ++k)

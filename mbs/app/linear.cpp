@@ -131,6 +131,27 @@ std::filesystem::path write_response(const LinearSystem& system, const Eigen::Ve
   return path;
 }
 
+// What B and D alone do not say of inputs that positions and speeds follow.
+void note_rates_of_inputs(const LinearSystem& d, StateSpace& file, std::vector<std::string>& notes) {
+  for (const auto& [name, matrix] :
+       {std::pair("D_1", &d.D_1), {"D_2", &d.D_2}, {"T_0", &d.T_0}, {"T_1", &d.T_1}})
+    if (matrix->size() > 0) file.matrices.emplace_back(name, *matrix);
+  if (d.T_0.size() > 0)
+    notes.push_back(
+        "positions or speeds follow inputs: the states are counted from what the inputs make of them, x = "
+        "(the quantities named) - T_0 u" +
+        std::string(d.T_1.size() > 0 ? " - T_1 u'" : "") + ", and B is that of these x");
+  if (d.D_1.size() == 0) return;
+  std::vector<std::string> of;
+  for (Eigen::Index i = 0; i < d.D_1.rows(); ++i)
+    if (!d.D_1.row(i).isZero(0.0) || (d.D_2.size() > 0 && !d.D_2.row(i).isZero(0.0)))
+      of.push_back("\"" + d.outputs[static_cast<std::size_t>(i)] + "\"");
+  notes.push_back(fmt::format(
+      "{} {} rates of inputs: y = C x + D u + D_1 u'{}; with a control of type filter between "
+      "input and drive D alone is enough",
+      fmt::join(of, ", "), of.size() == 1 ? "follows" : "follow", d.D_2.size() > 0 ? " + D_2 u''" : ""));
+}
+
 int write_linear_system(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   std::filesystem::path path = arguments.output, table;
   if (path.empty()) path = std::filesystem::path(arguments.file).stem().string() + "_linear.m";
@@ -220,10 +241,12 @@ int write_linear_system(const Arguments& arguments, const terminal::Verbosity& v
     file.names = {{"states", d.states}, {"inputs", d.inputs}, {"outputs", d.outputs}};
     file.matrices = {{"A", d.A},     {"B", d.B},     {"C", d.C},    {"D", d.D},
                      {"x_0", d.x_0}, {"u_0", d.u_0}, {"y_0", d.y_0}};
+    note_rates_of_inputs(d, file, p.notes);
     if (!arguments.response.empty()) {
       if (d.inputs.empty() || d.outputs.empty())
         throw std::invalid_argument("--response needs an --input and a --measure");
-      written.push_back(write_response(d, frequencies_of(arguments.response), table));
+      written.push_back(
+          write_response(d, mbs::with_resonances(d, frequencies_of(arguments.response)), table));
     }
   }
   note_discretisation(p);
@@ -233,7 +256,7 @@ int write_linear_system(const Arguments& arguments, const terminal::Verbosity& v
     nlohmann::json out = run_json(run);
     for (const auto& [what, names] : file.names) out[what] = names;
     for (const auto& one : written) out["files"].push_back(one.string());
-    out["about"] = name_of(about.verdict);
+    out["about"] = about_what(p, about.verdict);
     out["axes"] = about.axes;
     print_json("linear system", runs, nlohmann::json::array({out}));
   } else if (!verbosity.quiet) {
@@ -262,7 +285,9 @@ terminal::Command linearize_command() {
             .flag("--descriptor", a->descriptor,
                   "E, A, B, C, D with constraints and multipliers, nothing eliminated")
             .option("--response", a->response, "FROM:TO:COUNT",
-                    "also write the frequency response of outputs to inputs over these frequencies [Hz]")
+                    "also write the frequency response of outputs to inputs over these frequencies [Hz], "
+                    "with points "
+                    "more at the resonances between them")
             .option("--input", a->inputs, "COORDINATE",
                     "an input u: one of the file's, or force or torque on a coordinate; default: the file's")
             .option("--measure", a->outputs, "QUANTITY",

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/run/estimated_error.hpp"
@@ -174,8 +175,29 @@ mbs::SteadyLinearisation linearise_about(mbs::PreparedMechanism& p, const mbs::L
   return out;
 }
 
-std::string name_of(mbs::SteadyLinearisation::Verdict verdict) {
+namespace {
+
+Eigen::MatrixXd mass_matrix(const mbs::PreparedMechanism& p) {
+  const auto n_v = p.mechanism->sizes().n_v;
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n_v, n_v);
+  p.mechanism->mass_matrix(p.state.p, *p.mechanism->make_scratch(), M);
+  return M;
+}
+
+}  // namespace
+
+bool is_balanced(const mbs::PreparedMechanism& p) {
+  // [m/s^2, rad/s^2] Of all that moves: above what round-off leaves of stiff parts.
+  constexpr double kAtRest = 1e-6;
+  const Eigen::MatrixXd M = mass_matrix(p);
+  return M.rows() == 0 || std::sqrt(p.v_dot.dot(M * p.v_dot)) <= kAtRest * std::sqrt(M.diagonal().maxCoeff());
+}
+
+std::string about_what(const mbs::PreparedMechanism& p, mbs::SteadyLinearisation::Verdict verdict) {
   using Verdict = mbs::SteadyLinearisation::Verdict;
+  if (verdict == Verdict::equilibrium && !is_balanced(p))
+    return fmt::format("the given state, unbalanced by {} N",
+                       terminal::number((mass_matrix(p) * p.v_dot).lpNorm<Eigen::Infinity>(), 3));
   return verdict == Verdict::equilibrium     ? "equilibrium"
          : verdict == Verdict::steady_motion ? "steady motion"
                                              : "frozen";

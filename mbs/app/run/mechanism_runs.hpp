@@ -57,8 +57,11 @@ bool lasts(const mbs::PreparedMechanism& prepared);
 /// where it means nothing (steady_state.hpp), unless `frozen` asks for it all the same.
 mbs::SteadyLinearisation linearise_about(mbs::PreparedMechanism& prepared,
                                          const mbs::LineariseOptions& options, bool frozen);
-/// "equilibrium", "steady motion" or "frozen".
-std::string name_of(mbs::SteadyLinearisation::Verdict verdict);
+/// At rest the loads balance each other: accelerations are round-off.
+bool is_balanced(const mbs::PreparedMechanism& prepared);
+/// "equilibrium", "steady motion", "frozen", or "the given state, unbalanced by 12 N" where it was not moved to the
+/// equilibrium within whose tolerance it stands.
+std::string about_what(const mbs::PreparedMechanism& prepared, mbs::SteadyLinearisation::Verdict verdict);
 /// What --frozen says of itself.
 extern const char* const kFrozenHelp;
 

@@ -95,7 +95,7 @@ void ElementStates::size(int n_contacts, Signals& signals) const {
   signals.values.setZero(tree_.d.signals.size());
   signals.switches.assign(n_switches(), 0);
   signals.algebraic.setZero(n_algebraic() + n_contacts);
-  signals.inputs.setZero(static_cast<Eigen::Index>(tree_.d.inputs.size()));
+  signals.inputs.setZero(3 * static_cast<Eigen::Index>(tree_.d.inputs.size()));
 }
 
 void ElementStates::start(State& s, int n_contacts) const {
@@ -120,10 +120,8 @@ void ElementStates::take_states(const State& s, Motion& motion, Signals& signals
   for (std::size_t i = 0; i < conditions_.size(); ++i)
     signals.values(conditions_[i].place) =
         signals.switches[static_cast<std::size_t>(first_switch_.back()) + i];
-  if (s.u.size() == signals.inputs.size())
-    signals.inputs = s.u;
-  else
-    signals.inputs.setZero();
+  signals.inputs.setZero();
+  signals.inputs.head(s.u.size()) = s.u;
   if (s.a.size() == signals.algebraic.size()) signals.algebraic = s.a;
 }
 

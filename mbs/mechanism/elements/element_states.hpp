@@ -18,7 +18,7 @@ struct Signals {
   Eigen::VectorXd values;     ///< of all signals; those that nothing reads are not kept up
   std::vector<int> switches;  ///< positions of all of them
   Eigen::VectorXd algebraic;  ///< of controls, of measures, then contacts of constraints
-  Eigen::VectorXd inputs;     ///< what is added to them
+  Eigen::VectorXd inputs;     ///< what is added to them, to their rates and to the rates of these (State::u)
 };
 
 class ElementStates {

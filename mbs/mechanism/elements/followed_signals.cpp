@@ -209,8 +209,9 @@ void FollowedSignals::first_derivatives(bool all, Motion& motion, const Signals&
         break;
       case Kind::input: {
         const Jet of_time = tree_.d.inputs[source.element].value->time_derivatives(motion.kin.t);
-        jet.first = of_time.first;
-        jet.second = of_time.second;
+        const Eigen::Index at = static_cast<Eigen::Index>(tree_.d.inputs.size()) + source.element;
+        jet.first = of_time.first + signals.inputs(at);
+        jet.second = of_time.second + signals.inputs(at + static_cast<Eigen::Index>(tree_.d.inputs.size()));
         break;
       }
       case Kind::measure:

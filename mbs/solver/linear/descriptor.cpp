@@ -1,81 +1,18 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/solver/linear/descriptor.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
-#include <functional>
+#include <stdexcept>
 
 #include "mbs/solver/algebra/accelerations.hpp"
-#include "mbs/solver/algebra/kinematic_blocks.hpp"
-#include "mbs/solver/algebra/tangents.hpp"
+#include "mbs/solver/linear/perturbation.hpp"
 
 namespace flexura::mbs {
 
-namespace {
-
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-// T^+ (d(Tv)/dp T - dT/dt): how the moving coordinates q turn with the motion; zero at rest.
-MatrixXd transport_of(const Equations& eq, KinematicBlocks& kinematics, const State& s) {
-  const Sizes n = eq.sizes();
-  MatrixXd W = MatrixXd::Zero(n.n_v, n.n_v);
-  if (s.v.isZero(0.0)) return W;
-  VectorXd p_dot(n.n_p);
-  eq.kinematic(s.p, s.v, p_dot);
-  const double dt =
-      1e-5;  // T is linear in the quaternions: the central difference is exact but for round-off
-  std::vector<MatrixXd> T_dot;
-  kinematics.update(s.p + dt * p_dot, s.v);
-  for (const auto& b : kinematics.blocks()) T_dot.push_back(b.T / (2 * dt));
-  kinematics.update(s.p - dt * p_dot, s.v);
-  for (std::size_t k = 0; k < T_dot.size(); ++k) T_dot[k] -= kinematics.blocks()[k].T / (2 * dt);
-  kinematics.update(s.p, s.v);
-  for (std::size_t k = 0; k < T_dot.size(); ++k) {
-    const auto& b = kinematics.blocks()[k];
-    const MatrixXd w = b.T_inverse * (b.A * b.T - T_dot[k]);
-    for (std::size_t i = 0; i < b.v.size(); ++i)
-      for (std::size_t j = 0; j < b.v.size(); ++j) W(b.v[i], b.v[j]) = w(i, j);
-  }
-  return W;
-}
-
-// Derivatives of the outputs by x at fixed v', then by v'.
-void differentiate_outputs(const Equations& eq, const State& s, const VectorXd& v_dot,
-                           const LineariseOptions& options, MatrixXd& by_x, MatrixXd& by_v_dot) {
-  const Sizes n = eq.sizes();
-  int column = 0;
-  const auto difference = [&](double size, const std::function<void(State&, VectorXd&, double)>& move) {
-    const double h = 1e-5 * size;  // eps^(1/3) of the typical size
-    State up = s, down = s;
-    VectorXd v_dot_up = v_dot, v_dot_down = v_dot;
-    move(up, v_dot_up, h);
-    move(down, v_dot_down, -h);
-    return VectorXd((options.outputs(up, v_dot_up) - options.outputs(down, v_dot_down)) / (2.0 * h));
-  };
-  for (int j = 0; j < n.n_v; ++j)
-    by_x.col(column++) = difference(eq.velocity_scale(j), [&](State& to, VectorXd&, double h) {
-      eq.retract(s.p, h * VectorXd::Unit(n.n_v, j), to.p);
-    });
-  for (int j = 0; j < n.n_v; ++j)
-    by_x.col(column++) =
-        difference(eq.velocity_scale(j), [j](State& to, VectorXd&, double h) { to.v(j) += h; });
-  for (int j = 0; j < n.n_dyn; ++j)
-    by_x.col(column++) =
-        difference(std::max(1.0, std::abs(s.c(j))), [j](State& to, VectorXd&, double h) { to.c(j) += h; });
-  for (int j = 0; j < n.n_alg; ++j)
-    by_x.col(column++) =
-        difference(std::max(1.0, std::abs(s.a(j))), [j](State& to, VectorXd&, double h) { to.a(j) += h; });
-  for (int j = 0; j < n.n_lambda; ++j)
-    by_x.col(column++) = difference(std::max(1.0, std::abs(s.lambda(j))),
-                                    [j](State& to, VectorXd&, double h) { to.lambda(j) += h; });
-  for (int j = 0; j < n.n_v; ++j)
-    by_v_dot.col(j) = difference(std::max(eq.velocity_scale(j), std::abs(v_dot(j))),
-                                 [j](State&, VectorXd& to, double h) { to(j) += h; });
-}
-
-}  // namespace
 
 DescriptorSystem linearise_as_descriptor(const Equations& eq, const State& given,
                                          const LineariseOptions& options) {
@@ -85,17 +22,13 @@ DescriptorSystem linearise_as_descriptor(const Equations& eq, const State& given
   State s = given;
   VectorXd v_dot;
   AccelerationSolver(eq).solve(s, v_dot);
-  Tangents t(eq);
-  t.evaluate(s, v_dot);
-  KinematicBlocks kinematics(eq, s.p);
+  const Perturbation d(eq, s, v_dot, options.signals);
+  const Tangents& t = d.t;
+  const MatrixXd &z_q = d.z_q, &h_q = d.h_q;
   DescriptorSystem out;
   out.E.setZero(n_x, n_x);
   out.A.setZero(n_x, n_x);
-  out.A.topLeftCorner(n_v, n_v) = transport_of(eq, kinematics, s);
-  kinematics.update(s.p, s.v);
-  MatrixXd z_q, h_q;
-  kinematics.multiply_T(t.z_p, z_q);
-  kinematics.multiply_T(t.h_p, h_q);
+  out.A.topLeftCorner(n_v, n_v) = d.W;
 
   out.E.topLeftCorner(n_v, n_v).setIdentity();
   out.A.block(0, n_v, n_v, n_v).setIdentity();
@@ -120,7 +53,7 @@ DescriptorSystem linearise_as_descriptor(const Equations& eq, const State& given
     out.A.block(at_a, at_l, n_a, n_l) = t.b_lambda;
   }
   for (int k = 0; k < n_l; ++k) {
-    if (t.g_c.size() > 0) out.A.block(at_l + k, at_c, 1, n_c) = (eq.is_holonomic(k) ? t.g_c : t.h_c).row(k);
+    out.A.block(at_l + k, at_c, 1, n_c) = (eq.is_holonomic(k) ? d.g_c : d.h_c).row(k);
     if (eq.is_holonomic(k)) {
       out.A.block(at_l + k, 0, 1, n_v) = t.G.row(k);
     } else {
@@ -137,36 +70,35 @@ DescriptorSystem linearise_as_descriptor(const Equations& eq, const State& given
     out.B(n_v + options.inputs[k], k) = 1.0;
     out.inputs.push_back("force on " + eq.name_of_velocity(options.inputs[k]));
   }
-  const auto scratch = eq.make_scratch();
-  MatrixXd direct = MatrixXd::Zero(0, n_u);  // of outputs on inputs, at fixed v'
-  if (options.outputs) direct.setZero(options.outputs(s, v_dot).size(), n_u);
-  for (int k = n_f; k < n_u; ++k) {
-    const int input = options.signals[k - n_f];
+  for (int k = 0; k < n_u - n_f; ++k) {
+    const int input = options.signals[static_cast<std::size_t>(k)];
     out.inputs.push_back(eq.name_of_input(input));
-    out.u_0(k) = eq.input_value(input, s.t);
-    const double h = 1e-5 * std::max(1.0, std::abs(out.u_0(k)));
-    VectorXd z[2];
-    for (int side = 0; side < 2; ++side) {
-      State moved = s;
-      moved.u = (side == 0 ? h : -h) * VectorXd::Unit(eq.n_inputs(), input);
-      z[side].setZero(n_v + n_c + n_a);
-      eq.momentum(moved, v_dot, *scratch, z[side].head(n_v), z[side].segment(n_v, n_c), z[side].tail(n_a));
-      if (options.outputs) direct.col(k) += (side == 0 ? 0.5 : -0.5) / h * options.outputs(moved, v_dot);
-    }
-    out.B.col(k).segment(n_v, n_v + n_c + n_a) = (z[0] - z[1]) / (2.0 * h);
-    out.B.col(k).segment(n_v, n_v) *= -1.0;
+    out.u_0(n_f + k) = eq.input_value(input, s.t);
+    out.B.col(n_f + k).segment(n_v, n_v) = -d.z_u.col(k).head(n_v);
+    out.B.col(n_f + k).segment(at_c, n_c + n_a) = d.z_u.col(k).tail(n_c + n_a);
+    for (int row = 0; row < n_l; ++row)
+      out.B(at_l + row, n_f + k) = (eq.is_holonomic(row) ? d.g_u : d.h_u[0])(row, k);
   }
   if (options.outputs) {
     out.y_0 = options.outputs(s, v_dot);
     out.outputs = options.output_names;
     const auto n_y = out.y_0.size();
-    MatrixXd by_v_dot(n_y, n_v);
-    out.C.setZero(n_y, n_x);
-    differentiate_outputs(eq, s, v_dot, options, out.C, by_v_dot);
+    const OutputTangents y = differentiate_outputs(eq, s, v_dot, options);
+    for (int order = 1; order < 3; ++order)
+      for (Eigen::Index i = 0; i < n_y; ++i)
+        if (!y.u[order].row(i).isZero(0.0))
+          throw std::invalid_argument(fmt::format(
+              "output \"{}\" reads the rate of an input, which a descriptor system does not have: leave it "
+              "out, or --descriptor",
+              out.outputs[static_cast<std::size_t>(i)]));
+    out.C.resize(n_y, n_x);
+    out.C << y.q, y.v, y.c, y.a, y.lambda;
+    out.D.setZero(n_y, n_u);
+    out.D.rightCols(n_u - n_f) = y.u[0];
     // v' is not among the states: it follows from the momentum rows.
     const Eigen::PartialPivLU<MatrixXd> M(t.M);
-    out.C += by_v_dot * M.solve(out.A.middleRows(n_v, n_v));
-    out.D = direct + by_v_dot * M.solve(out.B.middleRows(n_v, n_v));
+    out.C += y.v_dot * M.solve(out.A.middleRows(n_v, n_v));
+    out.D += y.v_dot * M.solve(out.B.middleRows(n_v, n_v));
   } else {
     out.C.setZero(0, n_x);
     out.D.setZero(0, n_u);
@@ -174,12 +106,8 @@ DescriptorSystem linearise_as_descriptor(const Equations& eq, const State& given
 
   out.x_0.setZero(n_x);
   out.states.resize(n_x);
-  for (const auto& b : kinematics.blocks())
-    for (const int j : b.v) {
-      const bool plain = b.p.size() == 1;
-      out.states[j] = plain ? eq.name_of_position(b.p[0]) : "integral of " + eq.name_of_velocity(j);
-      if (plain) out.x_0(j) = s.p(b.p[0]);
-    }
+  out.x_0.head(n_v) = d.T_inverse * s.p;
+  for (int j = 0; j < n_v; ++j) out.states[j] = d.names[static_cast<std::size_t>(j)];
   for (int j = 0; j < n_v; ++j) out.states[n_v + j] = eq.name_of_velocity(j);
   for (int j = 0; j < n_c; ++j) out.states[at_c + j] = eq.name_of_dynamic(j);
   for (int j = 0; j < n_a; ++j) out.states[at_a + j] = eq.name_of_algebraic(j);
@@ -188,6 +116,18 @@ DescriptorSystem linearise_as_descriptor(const Equations& eq, const State& given
   out.x_0.segment(at_c, n_c) = s.c;
   out.x_0.segment(at_a, n_a) = s.a;
   out.x_0.tail(n_l) = s.lambda;
+  const std::vector<bool> held = held_states(eq, s, v_dot);
+  std::vector<int> kept;
+  for (int i = 0; i < n_x; ++i)
+    if (i < at_c || i >= at_a || !held[static_cast<std::size_t>(i - at_c)]) kept.push_back(i);
+  if (static_cast<int>(kept.size()) == n_x) return out;
+  for (MatrixXd* X : {&out.E, &out.A}) *X = MatrixXd((*X)(kept, kept));
+  out.B = MatrixXd(out.B(kept, Eigen::all));
+  out.C = MatrixXd(out.C(Eigen::all, kept));
+  out.x_0 = VectorXd(out.x_0(kept));
+  std::vector<std::string> states;
+  for (const int i : kept) states.push_back(out.states[static_cast<std::size_t>(i)]);
+  out.states = std::move(states);
   return out;
 }
 

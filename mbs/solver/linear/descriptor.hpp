@@ -15,7 +15,7 @@
 ///
 ///     q'   = (T^+ (d(Tv)/dp T - T')) q + v                           E = diag(1, M, 1, 0, 0)
 ///     M v' = -z_q q - z_v v - z_c c - z_a a - G^T lambda + u
-///     c'   = f_c,      0 = b,      0 = G q   (h_p T q + G v for a row without a position level)
+///     c'   = f_c,      0 = b,      0 = G q + g_c c + g_u u   (h_q q + G v + h_c c + h_u u for a row without a position level)
 ///
 /// of index 3 where there are constraints.  E and A keep the mechanism's sparsity.  Its finite eigenvalues
 /// are those of the system in independent coordinates (linearise()), plus zeros for what the constraints

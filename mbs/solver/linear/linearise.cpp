@@ -1,375 +1,389 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/solver/linear/linearise.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "mbs/solver/algebra/accelerations.hpp"
-#include "mbs/solver/algebra/kinematic_blocks.hpp"
-#include "mbs/solver/algebra/saddle.hpp"
-#include "mbs/solver/algebra/tangents.hpp"
-#include "mbs/solver/position/assemble.hpp"
+#include "mbs/solver/linear/perturbation.hpp"
 #include "mbs/solver/position/independent.hpp"
 
 namespace flexura::mbs {
 
 namespace {
 
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// A sum of terms that is no more than this part of their sizes is none.
+constexpr double kCancelled = 1e-12;
+
+// X Y, and zero where only round-off of the terms is left.
+MatrixXd product(const MatrixXd& X, const MatrixXd& Y) {
+  MatrixXd out = X * Y;
+  const MatrixXd size = X.cwiseAbs() * Y.cwiseAbs();
+  return (out.array().abs() <= kCancelled * size.array()).select(0.0, out);
+}
+
+MatrixXd sum(const MatrixXd& X, const MatrixXd& Y) {
+  const MatrixXd out = X + Y;
+  return (out.array().abs() <= kCancelled * (X.array().abs() + Y.array().abs())).select(0.0, out);
+}
+
 class Lineariser {
  public:
-  Lineariser(const Equations& eq, const State& s) : eq_(eq), n_(eq.sizes()), s_0_(s), accelerations_(eq) {
-    accelerations_.solve(s_0_, v_dot_0_);
+  Lineariser(const Equations& eq, const State& given, const LineariseOptions& options)
+      : eq_(eq),
+        options_(options),
+        n_(eq.sizes()),
+        s_(consistent(eq, given, v_dot_)),
+        d_(eq, s_, v_dot_, options.signals) {
     choose_coordinates();
-    keep_.keep_position.assign(n_.n_v, false);
-    for (const int i : independent_) keep_.keep_position[i] = true;
-    keep_.keep_velocity = keep_.keep_position;
-    prepare_kinematics();
   }
 
-  LinearSystem system(const LineariseOptions& options);
+  LinearSystem system();
 
  private:
-  struct Sample {
-    State s;
-    Eigen::VectorXd v_dot, c_rate;
+  /// Changes as columns for (z, w, c), a, u, u', u'' and forces.
+  struct Columns {
+    MatrixXd q, v, v_dot, lambda, a, c_rate;
   };
 
+  static State consistent(const Equations& eq, State s, VectorXd& v_dot) {
+    AccelerationSolver(eq).solve(s, v_dot);
+    return s;
+  }
   void choose_coordinates();
-  void prepare_kinematics();
-  bool has_exact_system();
-  void set_exactly(LinearSystem& out);
-  Sample at(int column, double step);
-  Eigen::VectorXd rates(const Sample& sample) const;
-  Sample with_input(int input, double step);
-  Eigen::VectorXd c_rates(const State& s, const Eigen::VectorXd& v_dot);
+  void motions();
+  void accelerations();
+  void eliminate_algebraic();
+  void set_names(LinearSystem& out) const;
+  void set_outputs(LinearSystem& out) const;
+
+  Index n_z() const { return static_cast<Index>(positions_.size()); }
+  Index n_w() const { return static_cast<Index>(independent_.size()); }
+  Index n_c() const { return static_cast<Index>(dynamic_.size()); }
+  Index n_x() const { return n_z() + n_w() + n_c(); }
+  Index n_s() const { return static_cast<Index>(options_.signals.size()); }
+  Index n_f() const { return static_cast<Index>(options_.inputs.size()); }
+  Index at_u(int order) const { return n_x() + n_.n_alg + order * n_s(); }
+  Index at_forces() const { return at_u(3); }
 
   const Equations& eq_;
-  Sizes n_;
-  State s_0_;
-  Eigen::VectorXd v_dot_0_, p_dot_0_;
-  AccelerationSolver accelerations_;
-  AssembleOptions keep_;
-  std::vector<int> independent_;
-  std::vector<std::string> coordinate_name_;  ///< of each velocity coordinate's integral
-  Eigen::MatrixXd M_, G_, N_, T_inverse_, T_dot_;
+  const LineariseOptions& options_;
+  const Sizes n_;
+  VectorXd v_dot_;
+  const State s_;
+  Perturbation d_;
+  std::vector<int> positions_, independent_, dynamic_;
+  MatrixXd P_, Y_g_;  ///< dq = P z - Y_g (g_c c + g_u u)
+  MatrixXd N_, Y_;    ///< dv = N w - Y (...)
+  Columns of_;
 };
 
 void Lineariser::choose_coordinates() {
-  auto scratch = eq_.make_scratch();
-  M_.setZero(n_.n_v, n_.n_v);
-  G_.setZero(n_.n_lambda, n_.n_v);
-  eq_.mass_matrix(s_0_.p, *scratch, M_);
-  eq_.constraint_matrix(s_0_, s_0_.p, *scratch, G_);
-  IndependentCoordinates z = independent_coordinates(M_, G_);
-  independent_ = std::move(z.independent);
-  N_ = std::move(z.N);
-}
-
-void Lineariser::prepare_kinematics() {
-  // dq = T^+ dp; with v != 0 also dT/dt, for the rate of dq in the moving coordinates.
-  KinematicBlocks kinematics(eq_, s_0_.p);
-  p_dot_0_.setZero(n_.n_p);
-  eq_.kinematic(s_0_.p, s_0_.v, p_dot_0_);
-  T_inverse_.setZero(n_.n_v, n_.n_p);
-  T_dot_.setZero(n_.n_p, n_.n_v);
-  const double dt = 1e-5;
-  auto scatter = [&](double sign) {
-    kinematics.update(s_0_.p + sign * dt * p_dot_0_, s_0_.v);
-    for (const auto& b : kinematics.blocks())
-      for (std::size_t i = 0; i < b.p.size(); ++i)
-        for (std::size_t j = 0; j < b.v.size(); ++j) T_dot_(b.p[i], b.v[j]) += sign * b.T(i, j) / (2 * dt);
-  };
-  scatter(1.0);
-  scatter(-1.0);
-  kinematics.update(s_0_.p, s_0_.v);
-  coordinate_name_.resize(n_.n_v);
-  for (const auto& b : kinematics.blocks()) {
-    if (b.v.empty()) continue;
-    for (const int j : b.v)
-      coordinate_name_[j] =
-          b.p.size() == 1 ? eq_.name_of_position(b.p[0]) : "integral of " + eq_.name_of_velocity(j);
-    const Eigen::MatrixXd inverse = b.T.completeOrthogonalDecomposition().pseudoInverse();
-    for (std::size_t i = 0; i < b.p.size(); ++i)
-      for (std::size_t j = 0; j < b.v.size(); ++j) T_inverse_(b.v[j], b.p[i]) = inverse(j, i);
-  }
-}
-
-Lineariser::Sample Lineariser::at(int column, double step) {
-  const int n_z = static_cast<int>(independent_.size());
-  Sample out;
-  out.s = s_0_;
-  if (column < n_z) {
-    Eigen::VectorXd p(n_.n_p);
-    eq_.retract(s_0_.p, step * N_.col(column), p);
-    out.s.p = p;
-    assemble_positions(eq_, out.s, keep_);
-  } else if (column < 2 * n_z) {
-    out.s.v += step * N_.col(column - n_z);
-  } else {
-    out.s.c(column - 2 * n_z) += step;
-    if (eq_.follows_states()) assemble_positions(eq_, out.s, keep_);
-  }
-  AssembleReport ignored;
-  assemble_velocities(eq_, out.s, keep_, ignored);
-  accelerations_.solve(out.s, out.v_dot);
-  out.c_rate = accelerations_.c_rate();
-  return out;
-}
-
-Lineariser::Sample Lineariser::with_input(int input, double step) {
-  Sample out{s_0_, {}, {}};
-  out.s.u = step * Eigen::VectorXd::Unit(eq_.n_inputs(), input);
-  accelerations_.solve(out.s, out.v_dot);
-  out.c_rate = accelerations_.c_rate();
-  return out;
-}
-
-// Rates of (z, z', c) relative to those of the linearisation state.
-Eigen::VectorXd Lineariser::rates(const Sample& sample) const {
-  const int n_z = static_cast<int>(independent_.size());
-  Eigen::VectorXd p_dot(n_.n_p), out(2 * n_z + n_.n_dyn);
-  eq_.kinematic(sample.s.p, sample.s.v, p_dot);
-  const Eigen::VectorXd dq = T_inverse_ * (sample.s.p - s_0_.p);
-  const Eigen::VectorXd dq_dot = T_inverse_ * (p_dot - p_dot_0_ - T_dot_ * dq);
-  for (int k = 0; k < n_z; ++k) {
-    out(k) = dq_dot(independent_[k]);
-    out(n_z + k) = sample.v_dot(independent_[k]) - v_dot_0_(independent_[k]);
-  }
-  out.tail(n_.n_dyn) = sample.c_rate;
-  return out;
-}
-
-Eigen::VectorXd Lineariser::c_rates(const State& s, const Eigen::VectorXd& v_dot) {
-  Eigen::VectorXd r(n_.n_v), c(n_.n_dyn), b(n_.n_alg);
-  eq_.momentum(s, v_dot, *eq_.make_scratch(), r, c, b);
-  return c;
-}
-
-// At rest, and where there are constraints with accelerations that are no more than what a solver left, on rows that
-// hold still: the derivatives of the momentum rows are then all there is. Dynamic states that answer to accelerations
-// or reactions are left to differences.
-bool Lineariser::has_exact_system() {
-  // Of all that moves [m/s^2, rad/s^2]: as much as the curvature of constraints adds to squares of frequencies.
-  constexpr double kNoAcceleration = 1e-5;
-  if (!s_0_.v.isZero(0.0) || eq_.follows_states() || eq_.algebraic_is_coupled()) return false;
-  if (n_.n_lambda == 0) return true;
+  IndependentCoordinates w = independent_coordinates(d_.t.M, d_.t.G);
+  independent_ = std::move(w.independent);
+  N_ = std::move(w.N);
+  Y_ = dependent_by_rows(d_.t.M, d_.t.G, independent_);
+  MatrixXd G = d_.t.G;
+  bool all = true;
   for (int k = 0; k < n_.n_lambda; ++k)
-    if (!eq_.is_holonomic(k)) return false;
-  if (std::sqrt(v_dot_0_.dot(M_ * v_dot_0_)) > kNoAcceleration * std::sqrt(M_.diagonal().maxCoeff()))
-    return false;
-  auto scratch = eq_.make_scratch();
-  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(n_.n_v);
-  Eigen::VectorXd g_t(n_.n_lambda), g_tt(n_.n_lambda);
-  eq_.velocity_constraints(s_0_, s_0_.p, rest, *scratch, g_t);
-  eq_.acceleration_constraints(s_0_, s_0_.p, rest, rest, *scratch, g_tt);
-  return g_t.isZero(0.0) && g_tt.isZero(0.0);
-}
-
-// With y = (c, a) and a from its own rows, b_a a = -(b_p z + b_v z' + b_c c).
-void Lineariser::set_exactly(LinearSystem& out) {
-  const int n_z = static_cast<int>(independent_.size()), n_c = n_.n_dyn, n_a = n_.n_alg;
-  Tangents t(eq_);
-  t.evaluate(s_0_, v_dot_0_);
-  if (t.c_v_dot.size() > 0 || t.c_lambda.size() > 0) return;
-  KinematicBlocks kinematics(eq_, s_0_.p);
-  kinematics.update(s_0_.p, s_0_.v);
-  Eigen::MatrixXd K;
-  kinematics.multiply_T(t.z_p, K);
-  // Columns of (z, z', c) for the rows (r, c', b).
-  Eigen::MatrixXd Z(n_.n_v + n_c + n_a, 2 * n_z + n_c);
-  Z << K * N_, t.z_v * N_, t.z_c;
-  if (n_a > 0) {
-    const Eigen::FullPivLU<Eigen::MatrixXd> b_a(t.z_a.bottomRows(n_a));
-    if (!b_a.isInvertible()) return;
-    const Eigen::MatrixXd by_a = b_a.solve(Z.bottomRows(n_a));
-    Z -= t.z_a * by_a;
-  }
-  out.A.topRows(n_z).setZero();
-  out.A.block(0, n_z, n_z, n_z).setIdentity();
-  const Eigen::MatrixXd M_z = N_.transpose() * M_ * N_;
-  const Eigen::VectorXd unit = M_z.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<Eigen::MatrixXd> llt(unit.asDiagonal() * M_z * unit.asDiagonal());
-  if (llt.info() != Eigen::Success) return;
-  const Eigen::MatrixXd forces = unit.asDiagonal() * (N_.transpose() * Z.topRows(n_.n_v));
-  out.A.middleRows(n_z, n_z) = -(unit.asDiagonal() * llt.solve(forces));
-  out.A.bottomRows(n_c) = Z.middleRows(n_.n_v, n_c);
-  out.relative_error = 1e-14;
-}
-
-LinearSystem Lineariser::system(const LineariseOptions& options) {
-  const int n_z = static_cast<int>(independent_.size()), n_x = 2 * n_z + n_.n_dyn;
-  LinearSystem out;
-  out.independent = independent_;
-  out.N = N_;
-  out.x_0.setZero(n_x);
-  for (int k = 0; k < n_z; ++k) {
-    out.states.push_back(coordinate_name_[independent_[k]]);
-    out.x_0(n_z + k) = s_0_.v(independent_[k]);
-  }
-  const Eigen::VectorXd q_0 = T_inverse_ * s_0_.p;
-  for (int k = 0; k < n_z; ++k) {
-    out.x_0(k) = q_0(independent_[k]);
-    out.states.push_back(eq_.name_of_velocity(independent_[k]));
-  }
-  for (int k = 0; k < n_.n_dyn; ++k) {
-    out.states.push_back(eq_.name_of_dynamic(k));
-    out.x_0(2 * n_z + k) = s_0_.c(k);
-  }
-  if (options.outputs) {
-    out.y_0 = options.outputs(s_0_, v_dot_0_);
-    out.outputs = options.output_names;
-  }
-  out.A.setZero(n_x, n_x);
-  out.V.setZero(n_.n_v, n_z);
-  out.C.setZero(out.y_0.size(), n_x);
-  if (has_exact_system()) set_exactly(out);
-  const bool is_exact = out.relative_error < 1e-12;
-  for (int j = 0; j < n_x && !(is_exact && !options.outputs); ++j) {
-    // Central differences: eps^(1/3) of the typical size.
-    const double size =
-        j < 2 * n_z ? eq_.velocity_scale(independent_[j % n_z]) : std::max(1.0, std::abs(out.x_0(j)));
-    const double step = 1e-5 * size;
-    const Sample up = at(j, step), down = at(j, -step);
-    if (!is_exact) out.A.col(j) = (rates(up) - rates(down)) / (2.0 * step);
-    if (j < n_z) out.V.col(j) = (up.s.v - down.s.v) / (2.0 * step);
-    if (options.outputs)
-      out.C.col(j) = (options.outputs(up.s, up.v_dot) - options.outputs(down.s, down.v_dot)) / (2.0 * step);
-  }
-  // A unit force on a coordinate changes the accelerations by the saddle-point system's first block.
-  const int n_f = static_cast<int>(options.inputs.size()),
-            n_u = n_f + static_cast<int>(options.signals.size());
-  out.B.setZero(n_x, n_u);
-  out.D.setZero(out.y_0.size(), n_u);
-  out.u_0.setZero(n_u);
-  SaddleSolver saddle;
-  if (n_f > 0) saddle.factor(eq_, M_, G_);
-  for (int k = 0; k < n_f; ++k) {
-    Eigen::VectorXd a, lambda;
-    saddle.solve(Eigen::VectorXd::Unit(n_.n_v, options.inputs[k]), Eigen::VectorXd::Zero(n_.n_lambda), a,
-                 lambda);
-    for (int i = 0; i < n_z; ++i) out.B(n_z + i, k) = a(independent_[i]);
-    out.inputs.push_back("force on " + eq_.name_of_velocity(options.inputs[k]));
-    // Dynamic states and outputs see accelerations and reactions linearly.
-    State loaded = s_0_;
-    loaded.lambda += lambda;
-    out.B.col(k).tail(n_.n_dyn) = c_rates(loaded, v_dot_0_ + a) - c_rates(s_0_, v_dot_0_);
-    if (options.outputs) {
-      out.D.col(k) = options.outputs(loaded, v_dot_0_ + a) - out.y_0;
+    if (!eq_.is_holonomic(k)) {
+      G.row(k).setZero();
+      all = false;
     }
+  if (all) {
+    positions_ = independent_;
+    P_ = N_;
+    Y_g_ = Y_;
+  } else {
+    IndependentCoordinates z = independent_coordinates_beside(d_.t.M, G, independent_);
+    positions_ = std::move(z.independent);
+    P_ = std::move(z.N);
+    Y_g_ = dependent_by_rows(d_.t.M, G, positions_);
   }
-  for (int k = n_f; k < n_u; ++k) {
-    const int input = options.signals[k - n_f];
+  const std::vector<bool> held = held_states(eq_, s_, v_dot_);
+  for (int j = 0; j < n_.n_dyn; ++j)
+    if (!held[static_cast<std::size_t>(j)]) dynamic_.push_back(j);
+}
+
+// Positions and speeds that the rows leave.
+void Lineariser::motions() {
+  const Index n = at_forces() + n_f();
+  MatrixXd g = MatrixXd::Zero(n_.n_lambda, n), h = g;
+  of_.q.setZero(n_.n_v, n);
+  of_.q.leftCols(n_z()) = P_;
+  g.middleCols(n_z() + n_w(), n_c()) = d_.g_c(Eigen::all, dynamic_);
+  g.middleCols(at_u(0), n_s()) = d_.g_u;
+  for (int k = 0; k < n_.n_lambda; ++k)
+    if (!eq_.is_holonomic(k)) g.row(k).setZero();
+  of_.q -= product(Y_g_, g);
+  h.middleCols(n_z() + n_w(), n_c()) = d_.h_c(Eigen::all, dynamic_);
+  for (int order = 0; order < 2; ++order) h.middleCols(at_u(order), n_s()) = d_.h_u[order];
+  h = sum(h, product(d_.h_q, of_.q));
+  of_.v = -product(Y_, h);
+  of_.v.middleCols(n_z(), n_w()) += N_;
+}
+
+// Accelerations and multipliers where a is held.
+void Lineariser::accelerations() {
+  const Index n = of_.q.cols(), n_v = n_.n_v;
+  const Perturbation& d = d_;
+  MatrixXd direct = MatrixXd::Zero(d.t.z_p.rows(), n), gamma = MatrixXd::Zero(n_.n_lambda, n);
+  direct.middleCols(n_z() + n_w(), n_c()) = d.t.z_c(Eigen::all, dynamic_);
+  direct.middleCols(n_x(), n_.n_alg) = d.t.z_a;
+  direct.middleCols(at_u(0), n_s()) = d.z_u;
+  for (Index k = 0; k < n_f(); ++k)
+    direct(options_.inputs[static_cast<std::size_t>(k)], at_forces() + k) = -1.0;
+  gamma.middleCols(n_z() + n_w(), n_c()) = d.a_c(Eigen::all, dynamic_);
+  gamma.middleCols(n_x(), n_.n_alg) = d.a_a;
+  for (int order = 0; order < 3; ++order) gamma.middleCols(at_u(order), n_s()) = d.a_u[order];
+  const MatrixXd z = sum(sum(direct, product(d.z_q, of_.q)), product(d.t.z_v, of_.v));
+  gamma = sum(sum(gamma, product(d.a_q, of_.q)), product(d.a_v, of_.v));
+  const MatrixXd follows = -product(Y_, gamma);
+  const MatrixXd r = sum(z.topRows(n_v), product(d.t.M, follows));
+  // Of one size, so that small masses are not lost beside large ones.
+  const MatrixXd M_w = N_.transpose() * d.t.M * N_;
+  const VectorXd unit = M_w.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<MatrixXd> llt(unit.asDiagonal() * M_w * unit.asDiagonal());
+  if (n_w() > 0 && llt.info() != Eigen::Success)
+    throw std::runtime_error(
+        "the mass matrix of the free motions is not positive definite: give the bodies that they move a "
+        "positive mass or inertia of their own");
+  of_.v_dot = follows;
+  if (n_w() > 0)
+    of_.v_dot -= N_ * (unit.asDiagonal() * llt.solve(unit.asDiagonal() * product(N_.transpose(), r)));
+  of_.lambda = -Y_.transpose() * (z.topRows(n_v) + d.t.M * of_.v_dot);
+  of_.c_rate = z.middleRows(n_v, n_.n_dyn);
+  if (d.t.c_v_dot.size() > 0) of_.c_rate += d.t.c_v_dot * of_.v_dot + d.t.c_lambda * of_.lambda;
+  of_.a = z.bottomRows(n_.n_alg);
+  if (d.t.b_v_dot.size() > 0) of_.a += d.t.b_v_dot * of_.v_dot + d.t.b_lambda * of_.lambda;
+}
+
+// 0 = b: so far `a` holds what the equations lack; then what a answers, with all that follows from it.
+void Lineariser::eliminate_algebraic() {
+  if (n_.n_alg == 0) return;
+  const Eigen::FullPivLU<MatrixXd> by_a(of_.a.middleCols(n_x(), n_.n_alg));
+  if (!by_a.isInvertible())
+    throw std::runtime_error(fmt::format(
+        "the algebraic equation of \"{}\" does not determine it at this state: there is no linear system; "
+        "take a state beside it",
+        eq_.name_of_algebraic(static_cast<int>(by_a.permutationQ().indices()(by_a.rank())))));
+  const MatrixXd a = -by_a.solve(of_.a);
+  for (MatrixXd* of : {&of_.v_dot, &of_.lambda, &of_.c_rate}) {
+    const MatrixXd by = of->middleCols(n_x(), n_.n_alg);
+    *of = sum(*of, product(by, a));
+  }
+  of_.a = a;
+}
+
+void Lineariser::set_names(LinearSystem& out) const {
+  const VectorXd q_0 = d_.T_inverse * s_.p;
+  out.x_0.resize(n_x());
+  Index i = 0;
+  for (const int k : positions_) {
+    out.states.push_back(d_.names[static_cast<std::size_t>(k)]);
+    out.x_0(i++) = q_0(k);
+  }
+  for (const int k : independent_) {
+    out.states.push_back(eq_.name_of_velocity(k));
+    out.x_0(i++) = s_.v(k);
+  }
+  for (const int k : dynamic_) {
+    out.states.push_back(eq_.name_of_dynamic(k));
+    out.x_0(i++) = s_.c(k);
+  }
+  out.u_0.setZero(n_f() + n_s());
+  for (const int k : options_.inputs) out.inputs.push_back("force on " + eq_.name_of_velocity(k));
+  for (Index k = 0; k < n_s(); ++k) {
+    const int input = options_.signals[static_cast<std::size_t>(k)];
     out.inputs.push_back(eq_.name_of_input(input));
-    out.u_0(k) = eq_.input_value(input, s_0_.t);
-    const double step = 1e-5 * std::max(1.0, std::abs(out.u_0(k)));
-    const Sample up = with_input(input, step), down = with_input(input, -step);
-    out.B.col(k) = (rates(up) - rates(down)) / (2.0 * step);
-    if (options.outputs)
-      out.D.col(k) = (options.outputs(up.s, up.v_dot) - options.outputs(down.s, down.v_dot)) / (2.0 * step);
+    out.u_0(n_f() + k) = eq_.input_value(input, s_.t);
   }
+}
+
+void Lineariser::set_outputs(LinearSystem& out) const {
+  out.C.setZero(0, n_x());
+  for (MatrixXd& y : out.by_inputs.y) y.setZero(0, n_f() + n_s());
+  if (!options_.outputs) return;
+  const OutputTangents y = differentiate_outputs(eq_, s_, v_dot_, options_);
+  out.y_0 = options_.outputs(s_, v_dot_);
+  out.outputs = options_.output_names;
+  MatrixXd of = MatrixXd::Zero(out.y_0.size(), of_.q.cols());
+  of.middleCols(n_z() + n_w(), n_c()) = y.c(Eigen::all, dynamic_);
+  for (int order = 0; order < 3; ++order) of.middleCols(at_u(order), n_s()) = y.u[order];
+  MatrixXd size = of.cwiseAbs();
+  const auto add = [&](const MatrixXd& by, const MatrixXd& change) {
+    of += by * change;
+    size += by.cwiseAbs() * change.cwiseAbs();
+  };
+  add(y.q, of_.q);
+  add(y.v, of_.v);
+  add(y.a, of_.a);
+  add(y.lambda, of_.lambda);
+  add(y.v_dot, of_.v_dot);
+  // Derivatives of outputs are differences: they leave 1e-11 of the terms.
+  of = (of.array().abs() <= 1e-11 * size.array()).select(0.0, of).eval();
+  out.C = of.leftCols(n_x());
+  for (int order = 0; order < 3; ++order) {
+    MatrixXd& by = out.by_inputs.y[order];
+    by.setZero(out.y_0.size(), n_f() + n_s());
+    by.rightCols(n_s()) = of.middleCols(at_u(order), n_s());
+    if (order == 0) by.leftCols(n_f()) = of.rightCols(n_f());
+  }
+}
+
+// States counted from what inputs alone make of them, see the header.
+void settle_inputs(LinearSystem& system) {
+  const auto& [rates, q, v, y] = system.by_inputs;
+  const MatrixXd &T_1 = rates[2], T_0 = sum(rates[1], product(system.A, T_1));
+  system.B = sum(rates[0], product(system.A, T_0));
+  system.D = sum(y[0], product(system.C, T_0));
+  system.D_1 = sum(y[1], product(system.C, T_1));
+  system.D_2 = y[2];
+  if (system.D_2.isZero(0.0)) system.D_2.resize(0, 0);
+  if (system.D_1.isZero(0.0) && system.D_2.size() == 0) system.D_1.resize(0, 0);
+  system.T_0 = T_0.isZero(0.0) && T_1.isZero(0.0) ? MatrixXd() : T_0;
+  system.T_1 = T_1.isZero(0.0) ? MatrixXd() : T_1;
+}
+
+LinearSystem Lineariser::system() {
+  motions();
+  accelerations();
+  eliminate_algebraic();
+  // z' = (W q + v), w' = v', c'.
+  MatrixXd rates(n_x(), of_.q.cols());
+  rates.topRows(n_z()) = sum(product(d_.W, of_.q), of_.v)(positions_, Eigen::all);
+  rates.middleRows(n_z(), n_w()) = of_.v_dot(independent_, Eigen::all);
+  rates.bottomRows(n_c()) = of_.c_rate(dynamic_, Eigen::all);
+  LinearSystem out;
+  out.A = rates.leftCols(n_x());
+  out.positions = positions_;
+  out.independent = independent_;
+  out.dynamic = dynamic_;
+  out.N = N_;
+  out.Q = of_.q.leftCols(n_x());
+  out.V = of_.v.leftCols(n_x());
+  const auto by_order = [&](const MatrixXd& X, int order) {
+    MatrixXd by = MatrixXd::Zero(X.rows(), n_f() + n_s());
+    by.rightCols(n_s()) = X.middleCols(at_u(order), n_s());
+    if (order == 0) by.leftCols(n_f()) = X.rightCols(n_f());
+    return by;
+  };
+  for (int order = 0; order < 3; ++order) {
+    out.by_inputs.rates[order] = by_order(rates, order);
+    out.by_inputs.q[order] = by_order(of_.q, order);
+    out.by_inputs.v[order] = by_order(of_.v, order);
+  }
+  set_names(out);
+  set_outputs(out);
+  settle_inputs(out);
+  // Rows of constraints along a motion are differences.
+  if (n_.n_lambda > 0 && !s_.v.isZero(0.0)) out.relative_error = 1e-12;
   return out;
 }
 
 }  // namespace
 
 LinearSystem linearise(const Equations& eq, const State& s, const LineariseOptions& options) {
-  return Lineariser(eq, s).system(options);
+  LinearSystem out = Lineariser(eq, s, options).system();
+  return options.all_positions ? out : without_unread(std::move(out));
 }
 
 LinearSystem in_turning_axes(LinearSystem system, const Eigen::MatrixXd& W) {
   // dq = exp(t W) dq_K, so that dq_K' = dq' - W dq at t = 0, and dv likewise.
-  const auto n_z = static_cast<Eigen::Index>(system.independent.size());
-  const Eigen::MatrixXd by_z = (W * system.N)(system.independent, Eigen::all),
-                        by_v = (W * system.V)(system.independent, Eigen::all);
-  system.A.topLeftCorner(n_z, n_z) -= by_z;
-  system.A.block(n_z, 0, n_z, n_z) -= by_v;
-  system.A.block(n_z, n_z, n_z, n_z) -= by_z;
+  const auto n_z = static_cast<Index>(system.positions.size()),
+             n_w = static_cast<Index>(system.independent.size());
+  const auto turn = [&](MatrixXd& rates, const MatrixXd& q, const MatrixXd& v) {
+    rates.topRows(n_z) = sum(rates.topRows(n_z), -product(W, q)(system.positions, Eigen::all));
+    rates.middleRows(n_z, n_w) =
+        sum(rates.middleRows(n_z, n_w), -product(W, v)(system.independent, Eigen::all));
+  };
+  turn(system.A, system.Q, system.V);
+  LinearSystem::ByInputs& by = system.by_inputs;
+  for (int order = 0; order < 3; ++order) turn(by.rates[order], by.q[order], by.v[order]);
+  settle_inputs(system);
   return system;
 }
 
-namespace {
+LinearSystem without_unread(LinearSystem out) {
+  const auto n_z = static_cast<Index>(out.positions.size());
+  std::vector<int> kept, positions;
+  std::vector<std::string> states;
+  for (Index i = 0; i < out.A.rows(); ++i) {
+    const bool is_further =
+        i < n_z && std::ranges::find(out.independent, out.positions[static_cast<std::size_t>(i)]) ==
+                       out.independent.end();
+    if (is_further && out.A.col(i).isZero(0.0) && out.C.col(i).isZero(0.0)) continue;
+    kept.push_back(static_cast<int>(i));
+    states.push_back(out.states[static_cast<std::size_t>(i)]);
+    if (i < n_z) positions.push_back(out.positions[static_cast<std::size_t>(i)]);
+  }
+  if (static_cast<Index>(kept.size()) == out.A.rows()) return out;
+  const auto pick = [&](MatrixXd& X, bool rows) {
+    X = (rows ? MatrixXd(X(kept, Eigen::all)) : MatrixXd(X(Eigen::all, kept)));
+  };
+  pick(out.A, true);
+  for (MatrixXd* X : {&out.A, &out.C, &out.Q, &out.V}) pick(*X, false);
+  for (MatrixXd& B : out.by_inputs.rates) pick(B, true);
+  out.x_0 = VectorXd(out.x_0(kept));
+  out.states = std::move(states);
+  out.positions = std::move(positions);
+  settle_inputs(out);
+  return out;
+}
 
-// Units of the coordinates, powers of 2, in which rows and columns of A are of one size: B. N. Parlett, C. Reinsch,
-// Numer. Math. 13 (1969) 293.
-Eigen::VectorXd balance(const Eigen::MatrixXd& A) {
-  const Eigen::Index n = A.rows();
-  Eigen::VectorXd unit = Eigen::VectorXd::Ones(n);
-  constexpr int kMostPasses = 100;
-  bool changes = true;
-  for (int pass = 0; pass < kMostPasses && changes; ++pass) {
-    changes = false;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      double row = 0.0, column = 0.0;
-      for (Eigen::Index j = 0; j < n; ++j)
-        if (j != i) {
-          row += std::abs(A(i, j)) * unit(j) / unit(i);
-          column += std::abs(A(j, i)) * unit(i) / unit(j);
-        }
-      if (!(row > 0.0) || !(column > 0.0)) continue;
-      const double factor = std::exp2(std::round(0.5 * std::log2(row / column)));
-      if (column * factor + row / factor >= 0.95 * (row + column)) continue;
-      unit(i) *= factor;
-      changes = true;
+OutputTangents differentiate_outputs(const Equations& eq, const State& s, const VectorXd& v_dot,
+                                     const LineariseOptions& options) {
+  const Sizes n = eq.sizes();
+  const Index n_y = options.outputs(s, v_dot).size();
+  constexpr double kStep = 1e-5;  // eps^(1/3) of the typical size
+  const auto size_of = [](double x) { return std::max(1.0, std::abs(x)); };
+  const auto columns = [&](int count, const auto& size, const auto& move) {
+    MatrixXd out(n_y, count);
+    for (int j = 0; j < count; ++j) {
+      const double h = kStep * size(j);
+      State up = s, down = s;
+      VectorXd v_dot_up = v_dot, v_dot_down = v_dot;
+      move(up, v_dot_up, j, h);
+      move(down, v_dot_down, j, -h);
+      out.col(j) = (options.outputs(up, v_dot_up) - options.outputs(down, v_dot_down)) / (2.0 * h);
     }
-  }
-  return unit;
-}
-
-}  // namespace
-
-std::vector<NaturalMode> natural_modes(const LinearSystem& system) {
-  if (system.A.rows() == 0) return {};
-  const Eigen::VectorXd unit = balance(system.A);
-  const Eigen::MatrixXd A = unit.cwiseInverse().asDiagonal() * system.A * unit.asDiagonal();
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(A);
-  // What rounding makes of the eigenvalues shows where A^T has others.
-  const Eigen::VectorXcd again =
-      Eigen::EigenSolver<Eigen::MatrixXd>(Eigen::MatrixXd(A.transpose()), false).eigenvalues();
-  const auto n_z = static_cast<Eigen::Index>(system.independent.size());
-  std::vector<NaturalMode> modes;
-  for (Eigen::Index i = 0; i < system.A.rows(); ++i) {
-    std::complex<double> value = solver.eigenvalues()(i);
-    if (value.imag() < 0.0) continue;
-    NaturalMode mode;
-    mode.eigenvalue = value;
-    constexpr double kOfSample = 10.0;
-    mode.noise =
-        kOfSample * (again.array() - value).abs().minCoeff() + system.relative_error * std::abs(value);
-    if (std::abs(value.real()) <= mode.noise) mode.eigenvalue.real(0.0);
-    if (std::abs(value.imag()) <= mode.noise) mode.eigenvalue.imag(0.0);
-    value = mode.eigenvalue;
-    mode.frequency_hz = value.imag() / (2.0 * M_PI);
-    mode.damping = std::abs(value) > 0.0 ? -value.real() / std::abs(value) : 0.0;
-    mode.shape = system.N.cast<std::complex<double>>() *
-                 (unit.head(n_z).asDiagonal() * solver.eigenvectors().col(i).head(n_z));
-    Eigen::Index largest = 0;
-    if (mode.shape.size() > 0 && mode.shape.cwiseAbs().maxCoeff(&largest) > 0.0)
-      mode.shape /= mode.shape(largest);
-    modes.push_back(std::move(mode));
-  }
-  std::stable_sort(modes.begin(), modes.end(), [](const NaturalMode& a, const NaturalMode& b) {
-    return std::abs(a.eigenvalue.imag()) != std::abs(b.eigenvalue.imag())
-               ? std::abs(a.eigenvalue.imag()) < std::abs(b.eigenvalue.imag())
-               : a.eigenvalue.real() < b.eigenvalue.real();
+    return out;
+  };
+  const auto speed = [&](int j) { return eq.velocity_scale(j); };
+  OutputTangents out;
+  out.q = columns(n.n_v, speed, [&](State& to, VectorXd&, int j, double h) {
+    eq.retract(s.p, h * VectorXd::Unit(n.n_v, j), to.p);
   });
-  return modes;
-}
-
-std::vector<Eigen::MatrixXcd> frequency_response(const LinearSystem& system,
-                                                 const Eigen::VectorXd& frequencies_hz) {
-  std::vector<Eigen::MatrixXcd> out;
-  const Eigen::MatrixXcd A = system.A.cast<std::complex<double>>();
-  for (const double f : frequencies_hz) {
-    Eigen::MatrixXcd dynamic = -A;
-    dynamic.diagonal().array() += std::complex<double>(0.0, 2.0 * M_PI * f);
-    out.push_back(system.C.cast<std::complex<double>>() *
-                      dynamic.partialPivLu().solve(system.B.cast<std::complex<double>>()) +
-                  system.D.cast<std::complex<double>>());
-  }
+  out.v = columns(n.n_v, speed, [](State& to, VectorXd&, int j, double h) { to.v(j) += h; });
+  out.c = columns(
+      n.n_dyn, [&](int j) { return size_of(s.c(j)); },
+      [](State& to, VectorXd&, int j, double h) { to.c(j) += h; });
+  out.a = columns(
+      n.n_alg, [&](int j) { return size_of(s.a(j)); },
+      [](State& to, VectorXd&, int j, double h) { to.a(j) += h; });
+  out.lambda = columns(
+      n.n_lambda, [&](int j) { return size_of(s.lambda(j)); },
+      [](State& to, VectorXd&, int j, double h) { to.lambda(j) += h; });
+  out.v_dot = columns(
+      n.n_v, [&](int j) { return std::max(eq.velocity_scale(j), std::abs(v_dot(j))); },
+      [](State&, VectorXd& to, int j, double h) { to(j) += h; });
+  for (int order = 0; order < 3; ++order)
+    out.u[order] = columns(
+        static_cast<int>(options.signals.size()),
+        [&](int j) { return size_of(eq.input_value(options.signals[static_cast<std::size_t>(j)], s.t)); },
+        [&](State& to, VectorXd&, int j, double h) {
+          to.u = h * VectorXd::Unit(3 * eq.n_inputs(),
+                                    order * eq.n_inputs() + options.signals[static_cast<std::size_t>(j)]);
+        });
   return out;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <complex>
 #include <functional>
 #include <string>
@@ -11,35 +12,52 @@
 
 /// The linear system about a state, in independent coordinates:
 ///
-///     x' = A x + B u,   y = C x + D u,   x = (z, z', c)
+///     x' = A x + B u,   y = C x + D u + D_1 u' + D_2 u'',   x = (z, w, c) - T_0 u - T_1 u'
 ///
-/// z are n_z = n_v - rank G coordinates out of the mechanism's own, chosen so that they determine the others
-/// best (independent.hpp); all names are given.  About an equilibrium
+/// It is the tangent of the consistent states (perturbation.hpp).  z are positions out of the mechanism's own, n_v less the
+/// rank of the rows with a position level, w are n_v - rank G speeds, both chosen so that they determine the others best
+/// (independent.hpp), c the dynamic states that are no held values.  Without rows on speeds alone (rolling, drive_speed) z are
+/// the integrals of w; with them there are more positions than speeds.
 ///
-///     A = [      0            1     ]
-///         [ -M_z^-1 K_z  -M_z^-1 D_z ]
+/// An input that a position follows (a drive, the offset of a coupler, the place on a path) acts by u'' too, one that a
+/// speed follows by u':
 ///
-/// exactly, with K_z = N^T K N, M_z and D_z alike, of the derivatives of Equations::tangents().  Else the columns of A come from central differences of the constrained motion itself: z and z' are
-/// moved, the other coordinates follow their constraints on position and velocity level, and the accelerations
-/// are those of index 1.  Errors are then those of the differences, about 1e-9 of A's scale.  About a motion (v != 0) the
-/// system is that of the perturbed motion in coordinates that move along; its coefficients are constant where
-/// the motion is steady.
+///     (z, w, c)' = A (z, w, c) + B_0 u + B_1 u' + B_2 u''
+///
+/// The states are then counted from what the inputs alone make of them, T_1 = B_2, T_0 = B_1 + A B_2, so that
+/// B = B_0 + A T_0; the transfer function is C (s - A)^-1 B + D + s D_1 + s^2 D_2 exactly.  D_1 and D_2 are empty where no output
+/// reads a rate of the inputs.
+///
+/// About a motion (v != 0) the system is that of the perturbed motion in coordinates that move along; its coefficients
+/// are constant where the motion is steady.
 namespace flexura::mbs {
 
 struct LinearSystem {
-  Eigen::MatrixXd A, B, C, D;
+  Eigen::MatrixXd A, B, C, D, D_1, D_2;
+  Eigen::MatrixXd T_0, T_1;  ///< empty where zero
   std::vector<std::string> states, inputs, outputs;
   Eigen::VectorXd x_0, u_0, y_0;  ///< values at the linearisation state
-  std::vector<int> independent;   ///< velocity coordinates that make up z
-  Eigen::MatrixXd N;              ///< n_v x n_z: dq = N z at the state
-  Eigen::MatrixXd V;              ///< n_v x n_z: dv = V z + N z'; 0 at rest
+  std::vector<int> positions;     ///< velocity coordinates whose integrals make up z
+  std::vector<int> independent;   ///< velocity coordinates that make up w
+  std::vector<int> dynamic;       ///< dynamic states among x
+  Eigen::MatrixXd N;              ///< n_v x w: dv = N w at fixed z
+  Eigen::MatrixXd Q, V;           ///< n_v x n_x: dq = Q x, dv = V x
+
+  /// What inputs do: B_k, and dq, dv and y by u, u', u''.
+  struct ByInputs {
+    std::array<Eigen::MatrixXd, 3> rates, q, v, y;
+  } by_inputs;
+
   /// What A may lack, in parts of its norm in balanced coordinates: round-off, or that of differences.
-  double relative_error = 1e-9;
+  double relative_error = 1e-14;
 };
 
-/// The same system in coordinates that refer to turning axes, with W of Mechanism::turning_axes: z, z' are
+/// The same system in coordinates that refer to turning axes, with W of Mechanism::turning_axes: z, w are
 /// then the components of dq, dv there, in axes that coincide with the mechanism's own at the state.
 LinearSystem in_turning_axes(LinearSystem system, const Eigen::MatrixXd& W);
+
+/// Without the positions beyond the integrals of w that neither a rate nor an output reads.
+LinearSystem without_unread(LinearSystem system);
 
 struct LineariseOptions {
   /// Generalised forces on these velocity coordinates are the inputs u.
@@ -49,10 +67,19 @@ struct LineariseOptions {
   /// Outputs y of a state with its accelerations, and their names.
   std::vector<std::string> output_names;
   std::function<Eigen::VectorXd(const State&, const Eigen::VectorXd& v_dot)> outputs;
+  bool all_positions = false;  ///< also those that without_unread() leaves out
 };
 
 /// `s` must be consistent (assembled).  Throws std::runtime_error.
 LinearSystem linearise(const Equations& eq, const State& s, const LineariseOptions& options = {});
+
+/// Derivatives of outputs by everything that they read, each on its own (n_y rows): v_dot, lambda and a are held.
+struct OutputTangents {
+  Eigen::MatrixXd q, v, c, a, lambda, v_dot;
+  std::array<Eigen::MatrixXd, 3> u;  ///< by `signals` and their rates
+};
+OutputTangents differentiate_outputs(const Equations& eq, const State& s, const Eigen::VectorXd& v_dot,
+                                     const LineariseOptions& options);
 
 struct NaturalMode {
   std::complex<double> eigenvalue;  ///< [1/s]
@@ -66,8 +93,12 @@ struct NaturalMode {
 /// no more than noise are 0.
 std::vector<NaturalMode> natural_modes(const LinearSystem& system);
 
-/// C (i omega - A)^-1 B + D at each of these frequencies [Hz].
+/// C (i omega - A)^-1 B + D + i omega D_1 - omega^2 D_2 at each of these frequencies [Hz].
 std::vector<Eigen::MatrixXcd> frequency_response(const LinearSystem& system,
                                                  const Eigen::VectorXd& frequencies_hz);
+
+/// `grid` with points more at each vibration within it: at its frequency and in steps of its half-power width about it,
+/// between which a response looks like its peak.  Ascending [Hz].
+Eigen::VectorXd with_resonances(const LinearSystem& system, const Eigen::VectorXd& grid);
 
 }  // namespace flexura::mbs

@@ -28,10 +28,10 @@ using Verdict = SteadyLinearisation::Verdict;
 constexpr double kExact = 1e-8, kNear = 1e-5;
 /// What brings a state with accelerations away from where it is.
 struct Drift {
-  double offset = 0.0;  ///< to where its forces are in balance, in typical sizes
-  int offset_of = 0;    ///< index among (z, c)
-  double left = 0.0;    ///< accelerations and rates that no displacement balances, in typical sizes per s^2
-  int left_of = 0;
+  double offset = 0.0;         ///< to where its forces are in balance, in typical sizes
+  Eigen::Index offset_of = 0;  ///< index among (z, c)
+  double left = 0.0;  ///< accelerations and rates that no displacement balances, in typical sizes per s^2
+  Eigen::Index left_of = 0;  ///< index among (w, c)
 };
 
 class Judge {
@@ -46,7 +46,8 @@ class Judge {
         accelerations_(m) {
     accelerations_.solve(s_, v_dot_);
     c_rate_ = accelerations_.c_rate();
-    own_ = linearise(m, s_, options);
+    options_.all_positions = true;  // what nothing reads here may be read later
+    own_ = linearise(m, s_, options_);
     size_.resize(n_.n_v);
     for (int i = 0; i < n_.n_v; ++i) size_(i) = m.velocity_scale(i);
     M_.setZero(n_.n_v, n_.n_v);
@@ -65,7 +66,8 @@ class Judge {
   /// Of the motion, in typical sizes [1/s].
   double speed() const { return n_.n_v == 0 ? 0.0 : s_.v.cwiseQuotient(size_).lpNorm<Eigen::Infinity>(); }
   bool rests() const { return speed() < 1e-9; }
-  std::string name_of(const LinearSystem& system, int k) const;
+  std::string name_of(const LinearSystem& system, Eigen::Index k) const;       ///< of (z, c)
+  std::string name_of_rate(const LinearSystem& system, Eigen::Index k) const;  ///< of (w, c)
   Drift drift(const LinearSystem& system, const VectorXd& v_dot, const VectorXd& c_rate) const;
   SteadyLinearisation judge_rest();
   SteadyLinearisation judge_motion(bool accelerated);
@@ -78,7 +80,7 @@ class Judge {
   const Mechanism& m_;
   const Sizes n_;
   const double horizon_;
-  const LineariseOptions& options_;
+  LineariseOptions options_;
   State s_;
   std::unique_ptr<Equations::Scratch> scratch_;
   AccelerationSolver accelerations_;
@@ -88,48 +90,56 @@ class Judge {
   std::vector<Sample> samples_;
 };
 
-std::string Judge::name_of(const LinearSystem& system, int k) const {
-  const int n_z = static_cast<int>(system.independent.size());
-  return k < n_z ? m_.name_of_velocity(system.independent[k]) : m_.name_of_dynamic(k - n_z);
+std::string Judge::name_of(const LinearSystem& system, Eigen::Index k) const {
+  const auto n_z = static_cast<Eigen::Index>(system.positions.size());
+  return k < n_z ? m_.name_of_velocity(system.positions[k]) : m_.name_of_dynamic(system.dynamic[k - n_z]);
+}
+
+std::string Judge::name_of_rate(const LinearSystem& system, Eigen::Index k) const {
+  const auto n_w = static_cast<Eigen::Index>(system.independent.size());
+  return k < n_w ? m_.name_of_velocity(system.independent[k]) : m_.name_of_dynamic(system.dynamic[k - n_w]);
 }
 
 // The displacement (z, c) after which v' and c' would vanish, and what it cannot take away, in the norm of the
 // masses: a body that falls accelerates all it carries, and no spring in it gives way for that.
 Drift Judge::drift(const LinearSystem& system, const VectorXd& v_dot, const VectorXd& c_rate) const {
-  const int n_z = static_cast<int>(system.independent.size()), n_c = n_.n_dyn, n = n_z + n_c;
+  const auto n_z = static_cast<Eigen::Index>(system.positions.size()),
+             n_w = static_cast<Eigen::Index>(system.independent.size()),
+             n_c = static_cast<Eigen::Index>(system.dynamic.size());
   Drift out;
-  if (n == 0) return out;
-  MatrixXd B(n, n);
-  B << system.A.block(n_z, 0, n_z, n_z), system.A.block(n_z, 2 * n_z, n_z, n_c),
-      system.A.block(2 * n_z, 0, n_c, n_z), system.A.block(2 * n_z, 2 * n_z, n_c, n_c);
-  VectorXd e(n), size(n);
-  for (int k = 0; k < n_z; ++k) {
-    e(k) = v_dot(system.independent[k]);
-    size(k) = size_(system.independent[k]);
-  }
-  for (int k = 0; k < n_c; ++k) {
-    e(n_z + k) = c_rate(k);
-    size(n_z + k) = std::max(1.0, std::abs(s_.c(k)));
-  }
-  // y = U z with U^T U = N^T M N.
-  MatrixXd U = size.cwiseInverse().asDiagonal();
-  if (n_z > 0) U.topLeftCorner(n_z, n_z) = (system.N.transpose() * M_ * system.N).llt().matrixU();
-  const MatrixXd U_inverse = U.partialPivLu().inverse(), weighted = U * B * U_inverse;
+  if (n_w + n_c == 0) return out;
+  MatrixXd B(n_w + n_c, n_z + n_c);
+  B << system.A.bottomLeftCorner(n_w + n_c, n_z), system.A.bottomRightCorner(n_w + n_c, n_c);
+  VectorXd e(n_w + n_c), size_of_rates(n_w + n_c), size(n_z + n_c), size_of_c(n_c);
+  for (Eigen::Index k = 0; k < n_c; ++k)
+    size_of_c(k) = std::max(1.0, std::abs(s_.c(system.dynamic[static_cast<std::size_t>(k)])));
+  e << v_dot(system.independent), c_rate(system.dynamic);
+  size_of_rates << size_(system.independent), size_of_c;
+  size << size_(system.positions), size_of_c;
+  // y = U x with U^T U = N^T M N, of rates and of displacements.
+  const auto norm = [&](const MatrixXd& N, const VectorXd& sizes) {
+    MatrixXd U = sizes.cwiseInverse().asDiagonal();
+    if (N.cols() > 0) U.topLeftCorner(N.cols(), N.cols()) = (N.transpose() * M_ * N).llt().matrixU();
+    return U;
+  };
+  const MatrixXd U = norm(system.N, size_of_rates),
+                 U_inverse = norm(system.Q.leftCols(n_z), size).partialPivLu().inverse(),
+                 weighted = U * B * U_inverse;
   // Differences with steps of 1e-5 leave 1e-11 of the accelerations, and 1e-14 of the stiffest: what does not
   // stand well above that is no stiffness.
-  const double rate = speed(), largest = weighted.cwiseAbs().maxCoeff(),
-               noise = 1e-7 * (1.0 + e.cwiseQuotient(size).lpNorm<Eigen::Infinity>() + rate * rate);
-  VectorXd d = VectorXd::Zero(n), left = e;
+  const double rate = speed(), largest = weighted.size() > 0 ? weighted.cwiseAbs().maxCoeff() : 0.0,
+               noise = 1e-7 * (1.0 + e.cwiseQuotient(size_of_rates).lpNorm<Eigen::Infinity>() + rate * rate);
+  VectorXd d = VectorXd::Zero(size.size()), left = e;
   if (largest > noise) {
-    Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition(n, n);
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition(weighted.rows(), weighted.cols());
     decomposition.setThreshold(std::max(1e-12, noise / largest));
     decomposition.compute(weighted);
     const VectorXd open = -(U * e), y = decomposition.solve(open);
     d = U_inverse * y;
-    left = U_inverse * (weighted * y + U * e);
+    left = U.partialPivLu().solve(weighted * y + U * e);
   }
-  out.offset = d.cwiseQuotient(size).cwiseAbs().maxCoeff(&out.offset_of);
-  out.left = left.cwiseQuotient(size).cwiseAbs().maxCoeff(&out.left_of);
+  if (d.size() > 0) out.offset = d.cwiseQuotient(size).cwiseAbs().maxCoeff(&out.offset_of);
+  out.left = left.cwiseQuotient(size_of_rates).cwiseAbs().maxCoeff(&out.left_of);
   return out;
 }
 
@@ -194,11 +204,11 @@ std::string Judge::change_along(const TurningAxes& axes, double tau, double& cha
   if (d.offset > kNear || d.left > kNear) {
     change = 1.0;
     return fmt::format("\"{}\" does not go on as it moves now",
-                       name_of(then, d.offset > kNear ? d.offset_of : d.left_of));
+                       d.offset > kNear ? name_of(then, d.offset_of) : name_of_rate(then, d.left_of));
   }
   int where = 0;
   const TypicalSizes sizes{
-      size_, s_.c.cwiseAbs().cwiseMax(1.0),
+      size_, VectorXd(s_.c(now.dynamic).cwiseAbs().cwiseMax(1.0)),
       1.0 + speed() * speed() + (n_.n_v > 0 ? v_dot_.cwiseQuotient(size_).lpNorm<Eigen::Infinity>() : 0.0)};
   change = largest_difference(now, then, B, sizes, where);
   if (change <= kSameCoefficient) return {};
@@ -210,16 +220,21 @@ std::string Judge::change_along(const TurningAxes& axes, double tau, double& cha
 
 void Judge::describe_unsteady(const Drift& d, SteadyLinearisation& out) const {
   const bool by_offset = d.offset > kNear;
-  const int k = by_offset ? d.offset_of : d.left_of, n_z = static_cast<int>(own_.independent.size());
-  const double rate = k < n_z ? v_dot_(own_.independent[k]) : c_rate_(k - n_z);
+  const Eigen::Index k = by_offset ? d.offset_of : d.left_of,
+                     n = static_cast<Eigen::Index>(by_offset ? own_.positions.size()
+                                                             : own_.independent.size());
+  const double rate = k >= n      ? c_rate_(own_.dynamic[k - n])
+                      : by_offset ? v_dot_(own_.positions[k])
+                                  : v_dot_(own_.independent[k]);
   // Where the state itself is at rest in what lies farthest from the equilibrium.
   double largest = 0.0;
   for (const int i : own_.independent) largest = std::max(largest, std::abs(v_dot_(i)));
+  const std::string name = by_offset ? name_of(own_, k) : name_of_rate(own_, k);
   if (by_offset && std::abs(rate) <= 1e-9 * largest)
-    out.why = fmt::format("the equilibrium beside it lies {:.2g} (m, rad) away, most in \"{}\"", d.offset,
-                          name_of(own_, k));
+    out.why =
+        fmt::format("the equilibrium beside it lies {:.2g} (m, rad) away, most in \"{}\"", d.offset, name);
   else
-    out.why = fmt::format("\"{}\" changes by {:.3g} per second (SI units)", name_of(own_, k), rate);
+    out.why = fmt::format("\"{}\" changes by {:.3g} per second (SI units)", name, rate);
 }
 
 SteadyLinearisation Judge::judge_rest() {
@@ -323,7 +338,7 @@ SteadyLinearisation Judge::judge() {
   if (falls.verdict == Verdict::unsteady) return at_rest;
   falls.notes.push_back(
       fmt::format("\"{}\" gathers speed, {:.3g} per second, without a force that it would meet",
-                  name_of(own_, d.left_of), d.left));
+                  name_of_rate(own_, d.left_of), d.left));
   return falls;
 }
 
@@ -332,6 +347,7 @@ SteadyLinearisation Judge::judge() {
 SteadyLinearisation linearise_steady(const Mechanism& mechanism, const State& s, double horizon,
                                      const LineariseOptions& options) {
   SteadyLinearisation out = Judge(mechanism, s, horizon, options).judge();
+  out.system = without_unread(std::move(out.system));
   if (out.verdict != Verdict::unsteady)
     for (std::string& note : notes_on_switches(mechanism, s)) out.notes.push_back(std::move(note));
   return out;

@@ -14,36 +14,43 @@ using Eigen::VectorXd;
 // Of the accelerations that a step of the differences excites.
 constexpr double kNoise = 1e-9;
 
+int position_of(const LinearSystem& system, int coordinate) {
+  const auto found = std::ranges::find(system.positions, coordinate);
+  return found == system.positions.end() ? 0 : static_cast<int>(found - system.positions.begin());
+}
+
 }  // namespace
 
 double largest_difference(const LinearSystem& at_0, const LinearSystem& at_tau, const MatrixXd& B,
                           const TypicalSizes& sizes, int& where) {
-  const auto n_z = static_cast<int>(at_0.independent.size()), n_c = static_cast<int>(sizes.dynamic.size()),
-             n_x = 2 * n_z + n_c;
+  const auto n_z = static_cast<int>(at_0.positions.size()), n_w = static_cast<int>(at_0.independent.size()),
+             n_c = static_cast<int>(sizes.dynamic.size()), n_x = n_z + n_w + n_c;
   if (n_x == 0) return 0.0;
-  const MatrixXd BN = B * at_0.N, BV = B * at_0.V;
-  const MatrixXd L = BN(at_tau.independent, Eigen::all);
-  // The constraints leave the same directions free.
-  if (n_z > 0) {
-    const MatrixXd gap = sizes.velocity.cwiseInverse().asDiagonal() * (at_tau.N * L - BN);
-    Eigen::Index row = 0, column = 0;
-    const double open = gap.cwiseAbs().maxCoeff(&row, &column);
-    if (open > kSameCoefficient *
-                   std::max(1.0, (sizes.velocity.cwiseInverse().asDiagonal() * BN).cwiseAbs().maxCoeff())) {
-      where = static_cast<int>(column);
-      return open;
-    }
-  }
+  // Positions that one of the two reads and the other does not.
+  if (at_0.A.rows() != at_tau.A.rows() || at_0.positions.size() != at_tau.positions.size()) return 1.0;
+  const MatrixXd BQ = B * at_0.Q, BV = B * at_0.V;
   MatrixXd X = MatrixXd::Identity(n_x, n_x);
-  X.topLeftCorner(n_z, n_z) = L;
-  X.block(n_z, 0, n_z, n_z) = BV(at_tau.independent, Eigen::all);
-  X.block(n_z, n_z, n_z, n_z) = L;
+  X.topRows(n_z) = BQ(at_tau.positions, Eigen::all);
+  X.middleRows(n_z, n_w) = BV(at_tau.independent, Eigen::all);
+  // The constraints leave the same directions free.
+  const auto gap = [&](const MatrixXd& then, const MatrixXd& now) {
+    const MatrixXd left = sizes.velocity.cwiseInverse().asDiagonal() * (then * X - now).leftCols(n_z);
+    if (left.size() == 0) return 0.0;
+    Eigen::Index row = 0, column = 0;
+    const double open = left.cwiseAbs().maxCoeff(&row, &column);
+    where = static_cast<int>(column);
+    const double size = (sizes.velocity.cwiseInverse().asDiagonal() * now).cwiseAbs().maxCoeff();
+    return open > kSameCoefficient * std::max(1.0, size) ? open : 0.0;
+  };
+  if (const double open = gap(at_tau.Q, BQ); open > 0.0) return open;
   const MatrixXd moved = X.partialPivLu().solve(at_tau.A * X);
   // Balanced: each row as large as its column (E. E. Osborne, J. ACM 7 (1960) 338-345).
   const MatrixXd sum = at_0.A.cwiseAbs().cwiseMax(moved.cwiseAbs());
   VectorXd typical(n_x);
   for (int k = 0; k < n_x; ++k)
-    typical(k) = k < 2 * n_z ? sizes.velocity(at_0.independent[k % n_z]) : sizes.dynamic(k - 2 * n_z);
+    typical(k) = k < n_z         ? sizes.velocity(at_0.positions[k])
+                 : k < n_z + n_w ? sizes.velocity(at_0.independent[k - n_z])
+                                 : sizes.dynamic(k - n_z - n_w);
   VectorXd f = typical;
   for (int pass = 0; pass < 10; ++pass)
     for (int i = 0; i < n_x; ++i) {
@@ -69,7 +76,7 @@ double largest_difference(const LinearSystem& at_0, const LinearSystem& at_tau, 
       const double relative = std::abs(change(i, j)) / std::sqrt(row(i) * column(j));
       if (relative > largest) {
         largest = relative;
-        where = j < 2 * n_z ? j % n_z : j - n_z;
+        where = j < n_z ? j : j < n_z + n_w ? position_of(at_0, at_0.independent[j - n_z]) : j - n_w;
       }
     }
   // Inputs and outputs, each of its own size.

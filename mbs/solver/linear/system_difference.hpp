@@ -12,7 +12,7 @@ inline constexpr double kSameCoefficient = 1e-5;
 /// What entries of a system are measured by.
 struct TypicalSizes {
   const Eigen::VectorXd& velocity;  ///< of each velocity coordinate
-  Eigen::VectorXd dynamic;          ///< of each dynamic state
+  Eigen::VectorXd dynamic;          ///< of each dynamic state among x
   double acceleration;              ///< at hand, in typical sizes
 };
 

@@ -35,7 +35,9 @@ MatrixXd followers(const MatrixXd& Q, const VectorXd& D, const std::vector<int>&
   const MatrixXd DQ = D.asDiagonal() * Q;
   const Eigen::PartialPivLU<MatrixXd> lu(Q(independent, Eigen::all));
   rcond = lu.rcond();
-  return DQ * lu.inverse() * D(independent).cwiseInverse().asDiagonal();
+  MatrixXd N = DQ * lu.inverse() * D(independent).cwiseInverse().asDiagonal();
+  N(independent, Eigen::all).setIdentity();
+  return N;
 }
 
 }  // namespace
@@ -67,6 +69,46 @@ IndependentCoordinates independent_coordinates(const MatrixXd& M, const MatrixXd
   if (Q.cols() == static_cast<Eigen::Index>(wanted.size())) out.N = followers(Q, D, wanted, rcond);
   if (!(rcond > 1e-8)) return {{}, MatrixXd::Zero(M.rows(), 0)};
   return out;
+}
+
+IndependentCoordinates independent_coordinates_beside(const MatrixXd& M, const MatrixXd& G,
+                                                      const std::vector<int>& first) {
+  const VectorXd D = units_of(M);
+  const MatrixXd Q = free_motions(G, D);
+  IndependentCoordinates out{first, MatrixXd::Zero(M.rows(), 0)};
+  if (Q.cols() == 0) return out;
+  // What the rows of `first` leave of the others' rows.
+  MatrixXd left = Q.transpose();
+  if (!first.empty()) {
+    const Eigen::HouseholderQR<MatrixXd> qr(Q(first, Eigen::all).transpose());
+    const MatrixXd spans = MatrixXd(qr.householderQ()).leftCols(static_cast<Eigen::Index>(first.size()));
+    left -= spans * (spans.transpose() * left).eval();
+    for (const int i : first) left.col(i).setZero();
+  }
+  const Eigen::ColPivHouseholderQR<MatrixXd> pivots(left);
+  for (Eigen::Index k = 0; k < Q.cols() - static_cast<Eigen::Index>(first.size()); ++k)
+    out.independent.push_back(static_cast<int>(pivots.colsPermutation().indices()(k)));
+  double rcond = 0.0;
+  out.N = followers(Q, D, out.independent, rcond);
+  return out;
+}
+
+MatrixXd dependent_by_rows(const MatrixXd& M, const MatrixXd& G, const std::vector<int>& independent) {
+  const Eigen::Index n_v = M.rows();
+  MatrixXd Y = MatrixXd::Zero(n_v, G.rows());
+  std::vector<bool> is_free(static_cast<std::size_t>(n_v), false);
+  for (const int i : independent) is_free[static_cast<std::size_t>(i)] = true;
+  std::vector<int> dependent;
+  for (int i = 0; i < n_v; ++i)
+    if (!is_free[static_cast<std::size_t>(i)]) dependent.push_back(i);
+  if (dependent.empty() || G.rows() == 0) return Y;
+  const VectorXd D = units_of(M)(dependent);
+  const MatrixXd GD = G(Eigen::all, dependent) * D.asDiagonal();
+  VectorXd E = GD.rowwise().norm();
+  for (double& e : E) e = e > 0.0 ? 1.0 / e : 1.0;
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition(E.asDiagonal() * GD);
+  Y(dependent, Eigen::all) = D.asDiagonal() * decomposition.pseudoInverse() * E.asDiagonal();
+  return Y;
 }
 
 }  // namespace flexura::mbs

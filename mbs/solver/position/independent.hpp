@@ -20,4 +20,12 @@ IndependentCoordinates independent_coordinates(const Eigen::MatrixXd& M, const E
 IndependentCoordinates independent_coordinates(const Eigen::MatrixXd& M, const Eigen::MatrixXd& G,
                                                const std::vector<int>& wanted);
 
+/// `first`, which G leaves independent of each other, then as many more as determine the others, `first` foremost.
+IndependentCoordinates independent_coordinates_beside(const Eigen::MatrixXd& M, const Eigen::MatrixXd& G,
+                                                      const std::vector<int>& first);
+
+/// Y (n_v x n_lambda), zero in the rows of z: dq = N z - Y h where G dq = -h. M gives the sizes.
+Eigen::MatrixXd dependent_by_rows(const Eigen::MatrixXd& M, const Eigen::MatrixXd& G,
+                                  const std::vector<int>& independent);
+
 }  // namespace flexura::mbs

@@ -1,0 +1,118 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "mbs/solver/linear/linearise.hpp"
+
+namespace flexura::mbs {
+
+namespace {
+
+// Units of the coordinates, powers of 2, in which rows and columns of A are of one size: B. N. Parlett, C. Reinsch,
+// Numer. Math. 13 (1969) 293.
+Eigen::VectorXd balance(const Eigen::MatrixXd& A) {
+  const Eigen::Index n = A.rows();
+  Eigen::VectorXd unit = Eigen::VectorXd::Ones(n);
+  constexpr int kMostPasses = 100;
+  bool changes = true;
+  for (int pass = 0; pass < kMostPasses && changes; ++pass) {
+    changes = false;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      double row = 0.0, column = 0.0;
+      for (Eigen::Index j = 0; j < n; ++j)
+        if (j != i) {
+          row += std::abs(A(i, j)) * unit(j) / unit(i);
+          column += std::abs(A(j, i)) * unit(i) / unit(j);
+        }
+      if (!(row > 0.0) || !(column > 0.0)) continue;
+      const double factor = std::exp2(std::round(0.5 * std::log2(row / column)));
+      if (column * factor + row / factor >= 0.95 * (row + column)) continue;
+      unit(i) *= factor;
+      changes = true;
+    }
+  }
+  return unit;
+}
+
+}  // namespace
+
+std::vector<NaturalMode> natural_modes(const LinearSystem& system) {
+  if (system.A.rows() == 0) return {};
+  const Eigen::VectorXd unit = balance(system.A);
+  const Eigen::MatrixXd A = unit.cwiseInverse().asDiagonal() * system.A * unit.asDiagonal();
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(A);
+  // What rounding makes of the eigenvalues shows where A^T has others.
+  const Eigen::VectorXcd again =
+      Eigen::EigenSolver<Eigen::MatrixXd>(Eigen::MatrixXd(A.transpose()), false).eigenvalues();
+  std::vector<NaturalMode> modes;
+  for (Eigen::Index i = 0; i < system.A.rows(); ++i) {
+    std::complex<double> value = solver.eigenvalues()(i);
+    if (value.imag() < 0.0) continue;
+    NaturalMode mode;
+    mode.eigenvalue = value;
+    constexpr double kOfSample = 10.0;
+    mode.noise =
+        kOfSample * (again.array() - value).abs().minCoeff() + system.relative_error * std::abs(value);
+    if (std::abs(value.real()) <= mode.noise) mode.eigenvalue.real(0.0);
+    if (std::abs(value.imag()) <= mode.noise) mode.eigenvalue.imag(0.0);
+    value = mode.eigenvalue;
+    mode.frequency_hz = value.imag() / (2.0 * M_PI);
+    mode.damping = std::abs(value) > 0.0 ? -value.real() / std::abs(value) : 0.0;
+    mode.shape = system.Q.cast<std::complex<double>>() * (unit.asDiagonal() * solver.eigenvectors().col(i));
+    Eigen::Index largest = 0;
+    if (mode.shape.size() > 0 && mode.shape.cwiseAbs().maxCoeff(&largest) > 0.0)
+      mode.shape /= mode.shape(largest);
+    modes.push_back(std::move(mode));
+  }
+  std::stable_sort(modes.begin(), modes.end(), [](const NaturalMode& a, const NaturalMode& b) {
+    return std::abs(a.eigenvalue.imag()) != std::abs(b.eigenvalue.imag())
+               ? std::abs(a.eigenvalue.imag()) < std::abs(b.eigenvalue.imag())
+               : a.eigenvalue.real() < b.eigenvalue.real();
+  });
+  return modes;
+}
+
+std::vector<Eigen::MatrixXcd> frequency_response(const LinearSystem& system,
+                                                 const Eigen::VectorXd& frequencies_hz) {
+  std::vector<Eigen::MatrixXcd> out;
+  // Balanced, so that stiff modes take no digits from the others.
+  const Eigen::VectorXd unit = balance(system.A);
+  const Eigen::MatrixXcd A = (unit.cwiseInverse().asDiagonal() * system.A * unit.asDiagonal())
+                                 .cast<std::complex<double>>(),
+                         B = (unit.cwiseInverse().asDiagonal() * system.B).cast<std::complex<double>>(),
+                         C = (system.C * unit.asDiagonal()).cast<std::complex<double>>();
+  for (const double f : frequencies_hz) {
+    const std::complex<double> s(0.0, 2.0 * M_PI * f);
+    Eigen::MatrixXcd dynamic = -A;
+    dynamic.diagonal().array() += s;
+    out.push_back(C * dynamic.partialPivLu().solve(B) + system.D.cast<std::complex<double>>());
+    if (system.D_1.size() > 0) out.back() += s * system.D_1.cast<std::complex<double>>();
+    if (system.D_2.size() > 0) out.back() += s * s * system.D_2.cast<std::complex<double>>();
+  }
+  return out;
+}
+
+Eigen::VectorXd with_resonances(const LinearSystem& system, const Eigen::VectorXd& grid) {
+  std::vector<double> f(grid.begin(), grid.end());
+  if (f.empty()) return grid;
+  const double low = f.front(), high = f.back();
+  for (const NaturalMode& mode : natural_modes(system)) {
+    const double at = mode.frequency_hz, half_width = std::abs(mode.eigenvalue.real()) / (2.0 * M_PI);
+    if (half_width > 0.5 * at) continue;  // no peak
+    // Without damping it has no end: the points beside it show its foot.
+    const double step = std::max(half_width, 1e-6 * at);
+    for (const double k : {0.0, 0.5, 1.0, 2.0, 4.0, 8.0})
+      for (const double side : {-1.0, 1.0})
+        if (const double point = at + side * k * step;
+            point > low && point < high && (k > 0.0 || half_width == step))
+          f.push_back(point);
+  }
+  std::ranges::sort(f);
+  const auto same = [](double a, double b) { return b - a <= 1e-12 * b; };
+  f.erase(std::unique(f.begin(), f.end(), same), f.end());
+  return Eigen::Map<const Eigen::VectorXd>(f.data(), static_cast<Eigen::Index>(f.size()));
+}
+
+}  // namespace flexura::mbs
