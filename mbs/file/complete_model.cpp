@@ -12,6 +12,10 @@ namespace flexura::mbs {
 
 using input::Section;
 
+bool is_placed(const Section& body) {
+  return body.has("position") || body.has("axis") || body.has("rotation") || body.has("quaternion");
+}
+
 void add_free_joints(ReadModel& model) {
   MechanismDescription& d = model.description;
   // A chain of segments is held where one of its pieces is; the pieces of a free one go along with its root.
@@ -30,6 +34,9 @@ void add_free_joints(ReadModel& model) {
     const Section& s = model.sections.at(b);
     const bool moves = s.has("velocity") || s.has("angular_velocity");
     if (model.joined.contains(b)) {
+      // Where nothing says where it starts its joint does, in a subsystem as in a file by itself: the pose of the subsystem, of which
+      // a free body takes its own, is none of its own.
+      if (!is_placed(s)) d.bodies[i].X_WB.reset();
       if (moves)
         s.refuse(s.has("velocity") ? "velocity" : "angular_velocity", "the body has a joint",
                  "give the joint's speed instead");

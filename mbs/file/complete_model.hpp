@@ -6,6 +6,9 @@
 /// What is done to a model after all its files are read.
 namespace flexura::mbs {
 
+/// Whether the body's table says where it starts.
+bool is_placed(const input::Section& body);
+
 /// Bodies that nothing holds get six freedoms to ground.
 void add_free_joints(ReadModel& model);
 

@@ -11,6 +11,7 @@
 #include "mbs/file/bodies/read_body.hpp"
 #include "mbs/file/bodies/read_flexible_body.hpp"
 #include "mbs/file/bodies/read_section_points.hpp"
+#include "mbs/file/complete_model.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "mbs/file/mechanism_document.hpp"
 #include "mbs/file/read_joint.hpp"
@@ -232,8 +233,7 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
   if (!se && wants_surface_points(s))
     s.refuse("surface_point", "the body has no superelement, whose surface has nodes",
              "give it one, or measure at a marker");
-  const bool placed = s.has("position") || s.has("axis") || s.has("rotation") || s.has("quaternion");
-  if (placed || !prefix_.empty()) {
+  if (is_placed(s) || !prefix_.empty()) {
     // Where the base itself starts is known if its own table says so.
     const std::optional<Pose>& X_W_base = d.bodies[base_.body].X_WB;
     body.X_WB = (X_W_base ? *X_W_base : Pose{}) * base_.X_BG * read_pose(s);

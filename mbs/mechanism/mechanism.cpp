@@ -270,8 +270,10 @@ bool Mechanism::on_root(int which, State& s, Scratch& scratch) const {
 }
 
 void Mechanism::start_switches(State& s, Scratch& scratch) const {
-  MechanismScratch& work = observe(s, scratch);
-  m_->states.start_switches(s, work.motion, work.signals);
+  m_->states.start_switches(s, [&]() -> std::pair<Motion&, const Signals&> {
+    MechanismScratch& work = observe(s, scratch);
+    return {work.motion, work.signals};
+  });
   hold_conditions(s, scratch);
 }
 

@@ -301,11 +301,15 @@ void ElementStates::change_switch(int which, State& s, Motion& motion, const Sig
   return;
 }
 
-void ElementStates::start_switches(State& s, Motion& motion, const Signals& signals) const {
+void ElementStates::start_switches(State& s,
+                                   const std::function<std::pair<Motion&, const Signals&>()>& observe) const {
   s.root.assign(n_switches(), 0);
+  // One after the other, as where they switch at one time later: what reads another sees what that has begun with.
   for (std::size_t i = 0; i < tree_.d.controls.size(); ++i)
     if (tree_.d.controls[i]->n_switches() > 0)
-      tree_.d.controls[i]->start_switches(signals.values.data(), s.c.data() + first_state_[i]);
+      tree_.d.controls[i]->start_switches(observe().second.values.data(), s.c.data() + first_state_[i]);
+  if (std::ranges::none_of(tree_.d.forces, [](const auto& force) { return force->n_switches() > 0; })) return;
+  const auto [motion, signals] = observe();
   for (std::size_t i = 0; i < tree_.d.forces.size(); ++i) {
     if (tree_.d.forces[i]->n_switches() == 0) continue;
     own_states(i, motion, signals);

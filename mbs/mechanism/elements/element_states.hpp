@@ -1,8 +1,10 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mbs/equations/equations.hpp"
@@ -77,7 +79,8 @@ class ElementStates {
   // As in Equations, after evaluate_signals().
   void roots(Motion& motion, const Signals& signals, VectorRef values) const;
   void change_switch(int which, State& s, Motion& motion, const Signals& signals) const;
-  void start_switches(State& s, Motion& motion, const Signals& signals) const;
+  /// `observe` gives the motion and the signals of s as it is when it is called.
+  void start_switches(State& s, const std::function<std::pair<Motion&, const Signals&>()>& observe) const;
   /// Formulas as they are written; then, after evaluate_signals() of that, each condition held at what it is.
   void release_conditions(State& s) const;
   void hold_conditions(State& s, const Signals& signals) const;
