@@ -121,10 +121,28 @@ void warn_of_force_left(mbs::PreparedMechanism& p, double left) {
           terminal::number(left, 2), terminal::number(most, 2)));
 }
 
+// Drives of speeds by time: any position would do, and none lasts.
+void warn_of_speeds(mbs::PreparedMechanism& p) {
+  constexpr double kNoise = 1e-9;  // [m/s, rad/s]
+  const mbs::Mechanism& m = *p.mechanism;
+  const mbs::Sizes n = m.sizes();
+  const auto scratch = m.make_scratch();
+  Eigen::VectorXd asked(n.n_lambda);
+  m.velocity_constraints(p.state, p.state.p, Eigen::VectorXd::Zero(n.n_v), *scratch, asked);
+  for (int k = 0; k < n.n_lambda; ++k)
+    if (!m.is_holonomic(k) && std::abs(asked(k)) > kNoise)
+      p.notes.push_back(mbs::warning_mark + fmt::format("no equilibrium: \"{}\" leads at {} m/s (or rad/s) "
+                                                        "and is held at rest here; make it 0 there, or "
+                                                        "drive the position",
+                                                        m.name_of_constraint(k),
+                                                        terminal::number(std::abs(asked(k)), 3)));
+}
+
 mbs::Stability move_to_equilibrium(mbs::PreparedMechanism& p) {
   const mbs::StaticsReport report = mbs::find_equilibrium(*p.mechanism, p.state);
   mbs::forget_ringing(p.notes);
   warn_of_force_left(p, report.force_residual);
+  warn_of_speeds(p);
   mbs::AccelerationSolver(*p.mechanism).solve(p.state, p.v_dot);
   p.notes.push_back(fmt::format("equilibrium in {} {}, largest force left {} N", report.iterations,
                                 report.iterations == 1 ? "step" : "steps",

@@ -38,7 +38,7 @@ Eigen::VectorXd units_of_stiffness(const Eigen::MatrixXd& K, const Eigen::Vector
   const Eigen::VectorXd k = K.diagonal().cwiseAbs(), m = by_mass.cwiseAbs2();
   const double stiffest = k.cwiseProduct(m).maxCoeff();
   if (!(stiffest > 0.0)) return {};
-  return k.cwiseMax(1e-10 * stiffest * m.cwiseInverse()).cwiseSqrt().cwiseInverse();
+  return k.cwiseMax(1e-30 * stiffest * m.cwiseInverse()).cwiseSqrt().cwiseInverse();
 }
 
 // Eigenvalues of the symmetric part, ascending.
@@ -107,6 +107,11 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
   Eigen::VectorXd F(n_z + n_l), x, scale = Eigen::VectorXd::Ones(n_z + n_l), size_v(n_v), g(n_l);
   for (int i = 0; i < n_v; ++i) size_v(i) = eq.velocity_scale(i);
   StaticsReport report;
+  // Rows of speeds say what the drive does at rest: nothing, where it follows states that have come to it.
+  std::vector<int> of_speeds;
+  for (int k = 0; k < n_l; ++k)
+    if (!eq.is_holonomic(k)) of_speeds.push_back(k);
+  Eigen::VectorXd g_dot(n_l), load = Eigen::VectorXd::Zero(n_v);
 
   auto residual = [&](const State& state, Eigen::VectorXd& out) {
     eq.momentum(state, rest, *scratch, out.head(n_v), out.segment(n_v, n_c), out.segment(n_v + n_c, n_a));
@@ -116,6 +121,12 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       out.head(n_z) = options.load * out.head(n_z) + (1.0 - options.load) * without;
     }
     if (n_l > 0) eq.position_constraints(state, state.p, *scratch, out.tail(n_l));
+    if (of_speeds.empty() || !eq.follows_states()) {
+      if (open) out.tail(n_l) -= options.opening;
+      return;
+    }
+    eq.velocity_constraints(state, state.p, rest, *scratch, g_dot);
+    for (const int k : of_speeds) out(n_z + k) = g_dot(k);
     if (open) out.tail(n_l) -= options.opening;
   };
   // Contacts close and open on the way, like every switch whose function falls below 0.
@@ -169,6 +180,25 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
   residual(s, F);
   require_finite_forces(eq, s.t, F.head(n_v), F.segment(n_v, n_c), F.segment(n_v + n_c, n_a));
 
+  // What acts before any constraint answers it: a force left over is judged by this, coordinate by coordinate.
+  {
+    State unheld = s;
+    unheld.lambda.setZero();
+    Eigen::VectorXd all = F;
+    residual(unheld, all);
+    load = all.head(n_v).cwiseAbs();
+  }
+  // Whether the forces left come from round-off or from a shift that holds what nothing else does: a millionth of the load, what digits
+  // of the positions make of the stiffness, an acceleration of 1e-9 m/s^2 or rad/s^2.
+  const auto is_balanced = [&](const Eigen::VectorXd& left, const Eigen::MatrixXd& K) {
+    for (int i = 0; i < n_v; ++i) {
+      const double stiff = K.row(i).head(n_v).cwiseAbs().dot(size_v.transpose());
+      if (std::abs(left(i)) > 1e-6 * load(i) + 1e-12 * stiff + 1e-9 * tangents.M(i, i) * size_v(i))
+        return false;
+    }
+    return true;
+  };
+
   double extra = 0.0;   // more damping where the steps swing to and fro
   double floor = 1e-6;  // of the shift, less and less where they do not
   double last_step = 1.0;
@@ -215,6 +245,16 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     if (tangents.b_lambda.size() > 0) J.block(n_v + n_c, n_z, n_a, n_l) = tangents.b_lambda;
     J.block(n_z, 0, n_l, n_v) = tangents.G;
     if (tangents.g_c.size() > 0) J.block(n_z, n_v, n_l, n_c) = tangents.g_c;
+    // A drive's speed by what it follows; rolling, and speeds that are given by time, hold the place that there is.
+    if (tangents.h_c.size() > 0 && !of_speeds.empty()) {
+      Eigen::MatrixXd h_q(n_l, n_v);
+      kinematics.multiply_T(tangents.h_p, h_q);
+      for (const int k : of_speeds)
+        if (!h_q.row(k).isZero(0.0) || !tangents.h_c.row(k).isZero(0.0)) {
+          J.block(n_z + k, 0, 1, n_v) = h_q.row(k);
+          J.block(n_z + k, n_v, 1, n_c) = tangents.h_c.row(k);
+        }
+    }
     // The regularisation below is small beside the compliance of what the constraints hold only if that is 1.
     if (n_v > 0) {
       const Eigen::VectorXd by_stiffness = units_of_stiffness(K.topRows(n_v), scale.head(n_v));
@@ -256,7 +296,7 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     report.constraint_residual = n_l > 0 ? F.tail(n_l).cwiseAbs().maxCoeff() : 0.0;
     // Where nothing is stiff and no force is left any position is an equilibrium.
     const bool indifferent = step < 1e-6 * options.tolerance && K.topRows(n_v).isZero();
-    if (alpha == 1.0 && step < options.tolerance &&
+    if (alpha == 1.0 && step < options.tolerance && (sigma == 0.0 || is_balanced(F.head(n_v), K)) &&
         (indifferent || extra < 1e-9 * (1.0 + K.lpNorm<Eigen::Infinity>()))) {
       if (holds_conditions) eq.hold_conditions(s, *scratch);
       return report;
