@@ -163,7 +163,8 @@ std::vector<input::Key> flexible_body_keys() {
           .or_default("false"),
       table_map("stress_point", point, "places whose stresses and strains are stored"),
       table_map("surface_point", surface_point, "nodes of the surface whose displacements are stored"),
-      table_map("section_point", section_point_table(), "places whose section forces are stored, of a beam part"),
+      table_map("section_point", section_point_table(),
+                "places whose section forces are stored, of a beam part"),
   };
 }
 

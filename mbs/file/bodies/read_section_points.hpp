@@ -22,7 +22,8 @@ bool wants_sections(const input::Section& s);
 /// `nodes`: of the body, interfaces first; empty where loads act on it beside them.  Throws InputError.
 std::shared_ptr<const SectionPoints> read_section_points(const input::Section& s,
                                                          const superelement::Superelement& se,
-                                                         const ModalData& body, const std::vector<BodyNode>& nodes,
+                                                         const ModalData& body,
+                                                         const std::vector<BodyNode>& nodes,
                                                          std::vector<std::string>& notes);
 
 }  // namespace flexura::mbs

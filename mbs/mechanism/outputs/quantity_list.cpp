@@ -174,8 +174,8 @@ std::vector<Quantity> list_quantities(const Topology& tree, const ConstraintRows
       for (std::size_t p = 0; p < sections->points().size(); ++p)
         for (int i = 0; i < 6; ++i)
           add(fmt::format("{}.{}.{}", name, sections->points()[p].wanted.name, components[i]),
-              i < 3 ? dim::force : dim::torque, sections->describe(static_cast<int>(p)),
-              K::section_force, k, 6 * static_cast<int>(p) + i, true);
+              i < 3 ? dim::force : dim::torque, sections->describe(static_cast<int>(p)), K::section_force, k,
+              6 * static_cast<int>(p) + i, true);
     }
   }
   for (std::size_t i = 0; i < tree.d.measures.size(); ++i)

@@ -87,8 +87,9 @@ struct Reduction {
   std::optional<StiffeningTerms> stiffening;  ///< if asked for
   /// 6 n_s x n at the options' stress nodes, if asked for (recovery/stress.hpp).
   Eigen::MatrixXd stress_modes;
-  Eigen::MatrixXd stress_of_loads;         ///< 6 n_s x loads there, what each adds to the shapes'; empty: none
-  Eigen::MatrixXd stress_of_acceleration;  ///< 6 n_s x (6 + n_b) there, as StressModes has it; empty: not known
+  Eigen::MatrixXd stress_of_loads;  ///< 6 n_s x loads there, what each adds to the shapes'; empty: none
+  Eigen::MatrixXd
+      stress_of_acceleration;  ///< 6 n_s x (6 + n_b) there, as StressModes has it; empty: not known
   Eigen::MatrixXf
       shapes;  ///< 3 n_v x n at the nodes asked for: rows x, y, z of the first, then the second, ...
   /// n_b x n_b: Mhat^T F_rs Mhat, the dropped modes' share of the interface's dynamics (error_estimate.hpp)
