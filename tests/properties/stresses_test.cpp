@@ -28,13 +28,13 @@ std::string scene_text(Chance& chance, const superelement::Superelement& se, con
   std::string text = fmt::format(
       "gravity = {}\n[ground.marker.o]\nposition = {}\n[body.b]\nsuperelement = \"part.se.h5\"\nstress = "
       "true\n{}[body.b.marker.o]\non = \"{}\"\n",
-      list(chance.vector(20.0)), list(held.p_BoN_B), keys, held.name);
+      list(chance.vector(0.02)), list(held.p_BoN_B), keys, held.name);
   for (int k = 0; k < 3; ++k)
     text += fmt::format("[body.b.stress_point.p{}]\nposition = {}\n", k, list(chance.vector(0.3)));
   text += fmt::format("[joint.j]\ntype = \"{}\"\nfrom = \"ground.o\"\nto = \"b.o\"\n",
                       spins ? "revolute" : "fixed");
   // Gravity turns with the rest where the axis, z, is not along it: the first instant is looked at.
-  if (spins) text += fmt::format("drive = \"{:.17g} * t\"\n", chance.between(1.0, 30.0));
+  if (spins) text += fmt::format("drive = \"{:.17g} * t\"\n", chance.between(0.03, 1.0));
   text += fmt::format(
       "[force.own]\ntype = \"distributed_load\"\nbody = \"b\"\nload = \"own\"\nfactor = "
       "{:.17g}\n[solver]\nend_time = "
@@ -61,13 +61,13 @@ class Stresses : public testing::TestWithParam<Kind> {};
 
 TEST_P(Stresses, UnderLoadsInsideTheBodyAreThoseOfTheWholeMesh) {
   int judged = 0;
-  for (int seed = 1; seed <= 60 && !HasFailure(); ++seed) {
+  for (int seed = 1; judged < 30 && seed <= 150 && !HasFailure(); ++seed) {
     SCOPED_TRACE(fmt::format("seed {}", seed));
     Chance chance(static_cast<std::uint64_t>(seed));
     const test::Folder folder;
     const RandomPart part = random_part(chance, GetParam(), folder, {.all_directions = true});
     if (!part.refused.empty()) continue;
-    const Vector3d field = chance.vector(30.0);
+    const Vector3d field = chance.vector(0.03);
     const std::string text =
         part.text +
         fmt::format(
@@ -75,7 +75,7 @@ TEST_P(Stresses, UnderLoadsInsideTheBodyAreThoseOfTheWholeMesh) {
             "[recovery]\nstress = true\nprecision = \"double\"\n",
             field.x(), field.y(), field.z());
     const auto file = folder.write("own.toml", text);
-    const int few = chance.below(5);
+    const int few = 1 + chance.below(4);
     // Of those that the superelement has, the mechanism takes any number.
     const std::string keys = chance.flip(0.5) ? fmt::format("modes = {}\n", 1 + chance.below(4)) : "";
     superelement::Superelement se;
@@ -91,10 +91,11 @@ TEST_P(Stresses, UnderLoadsInsideTheBodyAreThoseOfTheWholeMesh) {
     with(2000);
     const VectorXd right = stresses(folder, scene_text(same, se, ""));
     ++judged;
-    // Inertia loads of the deformation itself are beyond first order: displacements over the part's size.
+    // Loads are a thousandth of the usual, so that the inertia of the deformation itself, which is of second order, is
+    // below this; what inertia adds is kept in single precision.
     EXPECT_LT((found - right).cwiseAbs().maxCoeff(), 1e-4 * right.cwiseAbs().maxCoeff());
   }
-  EXPECT_GT(judged, 40);
+  EXPECT_EQ(judged, 30);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Stresses, testing::Values(Kind::solids, Kind::shells),
