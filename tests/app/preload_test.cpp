@@ -180,7 +180,8 @@ superelement = "wire.se.h5"
 fidelity = "modal-stiffened"
 damping = 0
 [body.wire.section_point.rod]
-position = [0.5, 0, 0]
+member = "wire"
+share = 0.5
 [force.tension]
 type = "distributed_load"
 body = "wire"

@@ -276,5 +276,45 @@ TEST_F(Cuts, AreInBalanceWithInertia) {
   });
 }
 
+// Closed forms, w = rho A g: w (L - x), w (L - x)^2 / 2 of a cantilever, w (L - x) of a mast.  The default mesh and modes.
+TEST_F(Cuts, OfACantileverAndAMastUnderTheirWeight) {
+  constexpr double L = 2.0, w = 7850.0 * 0.05 * 0.05 * 9.81;
+  const auto forces = [&](const Vector3d& gravity, int modes, const std::string& keys, double share) {
+    const test::Folder folder;
+    const auto file = folder.write(
+        "beam.toml",
+        fmt::format(
+            "[material.m]\nyoung = \"210 GPa\"\npoisson = 0.3\ndensity = \"7850 kg/m^3\"\n[section.s]\n"
+            "type = \"rectangle\"\nwidth = 0.05\nheight = 0.05\n[node.root]\nposition = [0, 0, "
+            "0]\n[node.tip]\nposition = [2, 0, 0]\n[member.arm]\nnodes = [\"root\", "
+            "\"tip\"]\n[interface.root]\n[interface.tip]\n[modes]\ncount = {}\n",
+            modes));
+    superelement::write(folder / "beam.se.h5", reduce::reduce(reduce::read_beam_part(file)).superelement);
+    const mbs::PreparedMechanism p = mbs::prepare(folder.write(
+        "arm.toml",
+        fmt::format(
+            "gravity = {}\n[ground.marker.wall]\n[body.arm]\nsuperelement = "
+            "\"beam.se.h5\"\n{}[body.arm.section_point.c]\nposition = [{:.17g}, 0, 0]\n[joint.clamp]\ntype = "
+            "\"fixed\"\nfrom = \"ground.wall\"\nto = \"arm.root\"\n[solver]\nend_time = "
+            "1\ninitial_deformation = "
+            "\"quasi_static\"\n",
+            list(gravity), keys, share * L)));
+    return values(p, "arm.c", {"N", "V_y", "V_z", "T", "M_y", "M_z"});
+  };
+  for (const int modes : {0, 20})
+    for (const std::string keys : {"", "modes = 1\n"})
+      for (const double share : {0.0, 0.5, 0.3137}) {  // the last between the places that are kept
+        SCOPED_TRACE(fmt::format("{} modes, {}at {}", modes, keys, share));
+        const double rest = L * (1.0 - share);
+        const Vector6d lying = forces({0.0, 0.0, -9.81}, modes, keys, share),
+                       hanging = forces({9.81, 0.0, 0.0}, modes, keys, share);
+        // It sags by 0.07 % of its length: that much turns loads.
+        EXPECT_NEAR(std::abs(lying(2)), w * rest, 1e-3 * w * L);
+        EXPECT_NEAR(std::abs(lying(4)), 0.5 * w * rest * rest, 1e-3 * w * L);
+        EXPECT_NEAR(lying(0), 0.0, 2e-3 * w * L);
+        EXPECT_NEAR(hanging(0), w * rest, 1e-6 * w * L);
+      }
+}
+
 }  // namespace
 }  // namespace flexura::properties
