@@ -17,6 +17,7 @@
 #include "mesh/gmsh/picture.hpp"
 #include "mesh/gmsh/sheet.hpp"
 #include "mesh/page/numbered_face.hpp"
+#include "reduce/app/face_lines.hpp"
 #include "reduce/file/part_file.hpp"
 
 namespace flexura::reduce {
@@ -35,26 +36,6 @@ bool is_whole(const mesh::Face& face) {
 
 bool is_bore(const mesh::Face& face) {
   return face.kind == mesh::FaceKind::cylinder && face.hole && is_whole(face);
-}
-
-/// The other faces of a bore or shaft that its file has cut along its axis into several, all of one height.
-std::vector<mesh::Index> others_of(const mesh::Face& face, const std::vector<mesh::Face>& faces) {
-  std::vector<mesh::Index> out;
-  if (face.kind != mesh::FaceKind::cylinder) return out;
-  constexpr double kSame = 1e-5;  // of the radius: what CAD programs write of one and the same axis
-  double sweep = face.sweep;
-  for (const mesh::Face& f : faces) {
-    if (f.number == face.number || f.kind != face.kind || f.hole != face.hole || f.solid != face.solid)
-      continue;
-    if (std::abs(f.radius - face.radius) > kSame * face.radius || f.axis.cross(face.axis).norm() > kSame ||
-        (f.axis_point - face.axis_point).norm() > kSame * face.radius ||
-        std::abs(f.length - face.length) > kSame * face.radius)
-      continue;
-    out.push_back(f.number);
-    sweep += f.sweep;
-  }
-  if (sweep < 1.5 * std::numbers::pi) out.clear();  // fillets at the two sides of a slot
-  return out;
 }
 
 /// An interface table for the largest bore, else the largest shaft, else the largest plane: something to copy and change.
@@ -100,7 +81,12 @@ void print_example(const std::vector<mesh::Face>& faces, std::ostream& out) {
           "radius on this axis\n",
           -0.5e3 * best->length, 0.5e3 * best->length);
   } else {
-    out << fmt::format("[interface.face]\nby = \"faces\"\nfaces = [{}]\n", best->number);
+    out << "[interface.face]\n"
+        << surface_lines(*best, faces)
+               .value_or(fmt::format(
+                   "by = \"faces\"\nfaces = [{}]\n# numbers change with the drawing; by = \"near\" takes "
+                   "the face nearest to a point\n",
+                   best->number));
   }
 }
 
@@ -146,17 +132,11 @@ void write_faces_page(const std::filesystem::path& file, const std::filesystem::
   view::PartsPage page{.title = options.path.filename().string(), .created_by = "flexura reduce"};
   view::DrawnPart part{.name = page.title, .file = part_file, .color = ""};
   std::map<mesh::Index, std::int32_t> place;
-  for (const mesh::Face& face : report.faces) {
-    place[face.number] = static_cast<std::int32_t>(part.faces.size());
-    part.faces.push_back(mesh::numbered_face(face));
-    // Numbers are those of this file: what they choose is the face itself, not what lies on its surface as well.
-    if (report.faces.size() > 1) {
-      part.faces.back().lines = fmt::format("by = \"faces\"\nfaces = [{}]\n", face.number);
-      if (const std::vector<mesh::Index> others = others_of(face, report.faces); !others.empty())
-        part.faces.back().lines +=
-            fmt::format("# of the same {}: write faces = [{}, {}] for all of it\n",
-                        face.hole ? "bore" : "shaft", face.number, fmt::join(others, ", "));
-    }
+  const std::vector<std::string> lines = face_lines(report.faces, picture);
+  for (std::size_t i = 0; i < report.faces.size(); ++i) {
+    place[report.faces[i].number] = static_cast<std::int32_t>(i);
+    part.faces.push_back(mesh::numbered_face(report.faces[i]));
+    part.faces.back().lines = lines[i];
   }
   part.vertices = picture.vertices;
   part.edges = picture.edges;

@@ -4,10 +4,15 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <vector>
 
+#include "mesh/gmsh/cad.hpp"
+#include "mesh/model/select.hpp"
+#include "reduce/file/part_file.hpp"
 #include "tests/app/command.hpp"
 #include "tests/view/page_reader.hpp"
 
@@ -20,6 +25,7 @@ using testing::Not;
 using view::testing::PageReader;
 
 const std::string kConrod = FLEXURA_SOURCE_DIR "/cases/steam_engine/conrod.step";
+const std::string kWorker = FLEXURA_BIN_DIR "/flexura-mesh";
 
 TEST(FacesPage, ShowsEveryFaceThatIsListedUnderItsNumber) {
   const Folder folder;
@@ -51,8 +57,6 @@ TEST(FacesPage, ShowsEveryFaceThatIsListedUnderItsNumber) {
     const json& shown = part["faces"][listed];
     EXPECT_EQ(shown["number"], std::stoi(line.substr(7)));
     EXPECT_THAT(line, HasSubstr(shown["text"].get<std::string>()));
-    EXPECT_THAT(shown["lines"].get<std::string>(),
-                HasSubstr("faces = [" + std::to_string(shown["number"].get<int>()) + "]"));
     const double exact = std::stod(line.substr(line.find("area ") + 5));
     // Twenty pieces around a circle: a polygon's area is less by (2 pi / 20)^2 / 6 = 1.6 %, of a narrow ring by twice that.
     EXPECT_NEAR(area[static_cast<std::int32_t>(listed)], exact, 0.035 * exact) << line;
@@ -73,9 +77,86 @@ TEST(FacesPage, OffersABoreThatTheFileHasCutIntoHalvesAsOne) {
   EXPECT_THAT(o.out, HasSubstr("radius = \"12.5 mm\""));
   const PageReader page(read_text(folder / "faces.html"));
   const json& faces = page.header["parts"][0]["faces"];
-  EXPECT_THAT(faces[11]["lines"].get<std::string>(), HasSubstr("write faces = [12, 22] for all of it"));
+  EXPECT_THAT(faces[11]["lines"].get<std::string>(), HasSubstr("by = \"cylinder\"\n"));
+  EXPECT_THAT(faces[11]["lines"].get<std::string>(), HasSubstr("# faces 12 and 22 together\n"));
+  EXPECT_EQ(faces[11]["lines"], faces[21]["lines"]);  // the page writes it once
   // Two fillets of a slot are none.
-  EXPECT_THAT(faces[53]["lines"].get<std::string>(), Not(HasSubstr("all of it")));
+  EXPECT_THAT(faces[53]["lines"].get<std::string>(), Not(HasSubstr("together")));
+}
+
+/// What a part file with these lines chooses on the part's mesh.
+std::vector<mesh::Index> chosen(const Folder& folder, const std::string& step, const std::string& lines,
+                                const mesh::CadMesh& part) {
+  const auto file = folder.write(
+      "part.toml",
+      "[geometry]\nfile = \"" + step +
+          "\"\n[material.steel]\nyoung = 2.1e11\npoisson = 0.3\ndensity = 7850.0\n[interface.chosen]\n" +
+          lines);
+  const reduce::PartInput input = reduce::read_part(file);
+  return mesh::select_nodes(part.mesh, part.cad.faces, input.interfaces.at(0).rule).face_numbers;
+}
+
+// Whatever face is ticked, and whatever lies in line with it, beside it in its plane or across a slot: the table of the page chooses
+// this face (of a bore in pieces all of them), without its number, which the next drawing gives to another.
+TEST(FacesPage, WritesATableThatChoosesTheTickedFaceByItsGeometry) {
+  const Folder folder;
+  std::size_t tried = 0, by_surface = 0, in_line = 0, near = 0;
+  for (const char* const name : {"steam_engine/conrod.step", "cad_parts/odri_hip_aa_support.step",
+                                 "cad_parts/odri_lower_leg_structure_fork.step"}) {
+    SCOPED_TRACE(name);
+    const std::string step = std::string(FLEXURA_SOURCE_DIR "/cases/") + name;
+    ASSERT_EQ(run("flexura", {"reduce", "--list-faces", step, "--html", folder / "faces.html"}).exit_code, 0);
+    const PageReader page(read_text(folder / "faces.html"));
+    // As coarse as the smallest faces allow: what is chosen does not depend on it.
+    const mesh::CadMesh part = mesh::mesh_cad(
+        {.path = step, .order = 1, .most_triangles = 3000, .elements_per_circle = 4, .worker = kWorker});
+    for (const json& face : page.header["parts"][0]["faces"]) {
+      const std::string lines = face["lines"];
+      SCOPED_TRACE(lines);
+      std::vector<mesh::Index> expected = {face["number"].get<mesh::Index>()};
+      if (const auto from = lines.find("# faces "); from != std::string::npos) {
+        std::istringstream words(lines.substr(from + 8));
+        expected.clear();
+        for (std::string word; words >> word;)
+          if (word != "and" && word != "together") expected.push_back(std::stoi(word));
+      }
+      EXPECT_EQ(chosen(folder, step, lines, part), expected);
+      EXPECT_THAT(lines, Not(HasSubstr("by = \"faces\"")));
+      ++tried;
+      by_surface += lines.find("by = \"cylinder\"") == 0 || lines.find("by = \"plane\"") == 0;
+      in_line += lines.find("extent") != std::string::npos;
+      near += lines.find("by = \"near\"") == 0;
+    }
+  }
+  EXPECT_GE(tried, 200U);
+  EXPECT_GE(by_surface, 100U);
+  EXPECT_GE(in_line, 2U);
+  EXPECT_GE(near, 20U);
+}
+
+// The page's text for a bore of a link, on the same link with one hole more: it still is that bore.
+TEST(FacesPage, ChoosesTheSameBoreAfterAChangeOfTheDrawing) {
+  const std::string before = FLEXURA_SOURCE_DIR "/tests/app/link.step",
+                    after = FLEXURA_SOURCE_DIR "/tests/app/link_with_hole.step";
+  const Folder folder;
+  ASSERT_EQ(run("flexura", {"reduce", "--list-faces", before, "--html", folder / "faces.html"}).exit_code, 0);
+  const PageReader page(read_text(folder / "faces.html"));
+  const mesh::CadMesh old = mesh::mesh_cad({.path = before, .order = 1, .worker = kWorker}),
+                      changed = mesh::mesh_cad({.path = after, .order = 1, .worker = kWorker});
+  const auto face_of = [](const mesh::CadMesh& part, mesh::Index number) {
+    return *std::ranges::find(part.cad.faces, number, &mesh::Face::number);
+  };
+  int bores = 0;
+  for (const json& face : page.header["parts"][0]["faces"]) {
+    if (!face["text"].get<std::string>().starts_with("bore")) continue;
+    const mesh::Face was = face_of(old, face["number"].get<mesh::Index>());
+    const auto now = chosen(folder, after, face["lines"], changed);
+    ASSERT_EQ(now.size(), 1U);
+    EXPECT_NEAR(face_of(changed, now[0]).radius, was.radius, 1e-9);
+    EXPECT_NEAR((face_of(changed, now[0]).axis_point - was.axis_point).norm(), 0.0, 1e-9);
+    ++bores;
+  }
+  EXPECT_EQ(bores, 2);
 }
 
 TEST(FacesPage, NeverWritesOverAPart) {

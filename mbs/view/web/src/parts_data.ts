@@ -124,7 +124,9 @@ export function interfaceTexts(header: PartsHeader, joints: Joint[], ticked: Set
     wanted[part].add(face);
   }
   return header.parts.flatMap((part, i) => {
+    // Pieces of one bore have the same lines: one interface.
     const text = part.faces.filter((f) => wanted[i].has(f.number))
+      .filter((f, k, all) => all.findIndex((other) => other.lines === f.lines) === k)
       .map((f) => `[interface.face${f.number}]\n# ${plain(f.text)}\n${f.lines}`).join('\n');
     return text ? [{ part, text }] : [];
   });
