@@ -76,6 +76,22 @@ BarSection circle(double r) {
   return s;
 }
 
+BarSection ellipse(double a, double b) {
+  if (a == b) return circle(a);
+  BarSection s;
+  s.A = kPi * a * b;
+  s.I_yy = s.A * b * b / 4;
+  s.I_zz = s.A * a * a / 4;
+  s.J = kPi * a * a * a * b * b * b / (a * a + b * b);
+  const auto shear = [](double along, double across) {
+    const double p = along * along, q = across * across;
+    return 12 * (3 * p + q) / (40 * p + 16 * q);
+  };
+  s.kappa_y = shear(a, b), s.kappa_z = shear(b, a);
+  for (const Eigen::Vector2d& point : around(1.0)) s.outline.emplace_back(a * point.x(), b * point.y());
+  return s;
+}
+
 BarSection tube(double r, double inner) {
   const BarSection outside = circle(r), hole = circle(inner);
   BarSection s;
@@ -358,11 +374,14 @@ BarSection abaqus_section(const std::string& type, const std::vector<double>& d)
                   type));
   require(d.size() >= found->second,
           fmt::format("SECTION={} has {} dimensions, not {}", type, found->second, d.size()));
+  const auto may_be_zero = [&](std::size_t k) {  // of I: where the node is; a flange that is not there (a T)
+    return type == "I" && (k == 0 || (k > 1 && k < 6 && d[2 + k % 2] == 0 && d[4 + k % 2] == 0));
+  };
   for (std::size_t k = 0; k < found->second; ++k)
-    require(d[k] > 0, fmt::format("a dimension of SECTION={} is {:g}", type, d[k]));
+    require(d[k] > 0 || may_be_zero(k), fmt::format("a dimension of SECTION={} is {:g}", type, d[k]));
   if (type == "CIRC") return circle(d[0]);
   if (type == "PIPE") {
-    require(d[0] > d[1], "SECTION=PIPE: the wall is thicker than the radius");
+    require(d[0] >= d[1], "SECTION=PIPE: the wall is thicker than the radius");
     return tube(d[0], d[0] - d[1]);
   }
   if (type == "RECT") return rectangle(d[0], d[1]);
@@ -373,6 +392,7 @@ BarSection abaqus_section(const std::string& type, const std::vector<double>& d)
   }
   if (type ==
       "I") {  // l, h, b1, b2, t1, t2, t3: lower and upper flange, web; the node is l above the lower edge
+    require(d[2] + d[3] > 0, "SECTION=I: both flanges have the width 0; take SECTION=RECT");
     require(d[1] > d[4] + d[5], "SECTION=I: the flanges are thicker than the section is high");
     const double web = d[1] - d[4] - d[5];
     const double shear = d[4] / 2 + flange_centre(d[4], d[2], d[5], d[3]) * (d[1] - (d[4] + d[5]) / 2);

@@ -28,6 +28,8 @@ struct Wall {
 };
 
 BarSection circle(double radius);
+/// Of the semi-axes along y and z.  J by Saint-Venant; shear factors Cowper's (1966) for nu = 0.
+BarSection ellipse(double along_y, double along_z);
 /// J = I_p; shear factors of a thin wall, 1/2, to those of the full circle, 6/7 (Cowper 1966, nu = 0).
 BarSection tube(double outer_radius, double inner_radius);
 /// J by Saint-Venant's series (Timoshenko, Goodier, art. 109); shear factors 5/6.

@@ -297,6 +297,12 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
   part.formulation =
       meshing.text("formulation") == "enhanced" ? Formulation::enhanced : Formulation::standard;
   read_units(geometry, part);
+  if (geometry.has("program")) {
+    if (part.format != PartFormat::abaqus)
+      geometry.refuse("program", "is for decks of Abaqus and CalculiX (.inp)", "take the key away");
+    part.program =
+        geometry.text("program") == "abaqus" ? mesh::DeckProgram::abaqus : mesh::DeckProgram::calculix;
+  }
   if (part.format != PartFormat::cad) {
     for (const char* key : {"order", "size", "elements_per_circle"})
       if (meshing.has(key)) meshing.refuse(key, "is for CAD parts", "a mesh file is taken as it is");

@@ -26,6 +26,10 @@ TableSchema geometry_schema() {
       input::choice("mass_unit", {"kg", "t", "g", "lbf s^2/in", "slug"},
                     "mass unit of a deck with materials or masses, the time being s; default: what goes with "
                     "the length unit (m: kg, mm: t, inch: lbf s^2/in, ft: slug)"),
+      input::choice(
+          "program", {"abaqus", "calculix"},
+          "whose words a deck (.inp) speaks where they differ (*BEAM SECTION, SECTION=CIRC: radius or "
+          "diameter); default: what the deck itself tells, else calculix, with a warning"),
       input::integer("solid", "which solid of the file, counted from 1 as `--list-faces` prints them")
           .at_least(1),
       input::flag("fuse", "join all solids of the file into one").or_default("false"),

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mesh/gmsh/cad.hpp"
+#include "mesh/import/abaqus.hpp"
 #include "mesh/model/select.hpp"
 #include "reduce/assembly/input/part.hpp"
 #include "reduce/cms/damping.hpp"
@@ -94,6 +95,7 @@ struct PartInput {
   PartFormat format = PartFormat::cad;
   mesh::CadOptions cad;                       ///< path of any format; geometry and meshing of CAD parts
   double unit_length = 1.0, unit_mass = 1.0;  ///< of a mesh file, in SI
+  mesh::DeckProgram program = mesh::DeckProgram::unknown;  ///< that a deck was written for
   bool mass_unit_known = true;                ///< given, or going with the length unit
   double sheet_thickness = 0.0;               ///< [m] of a CAD part of faces; 0: solids
   Formulation formulation = Formulation::standard;

@@ -24,7 +24,7 @@ mesh::ImportedModel read_foreign(const PartInput& input) {
   const std::filesystem::path& path = input.cad.path;
   switch (input.format) {
     case PartFormat::abaqus:
-      return mesh::read_abaqus(path);
+      return mesh::read_abaqus(path, input.program);
     case PartFormat::nastran:
       return mesh::read_nastran(path);
     case PartFormat::unv:

@@ -240,8 +240,8 @@ void Placer::drop_bare_shells() {
 
 namespace flexura::mesh {
 
-ImportedModel read_abaqus(const std::filesystem::path& path) {
-  return abaqus::Placer(abaqus::read_deck(path)).build(path);
+ImportedModel read_abaqus(const std::filesystem::path& path, DeckProgram program) {
+  return abaqus::Placer(abaqus::read_deck(path, program)).build(path);
 }
 
 }  // namespace flexura::mesh

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "mesh/import/abaqus/abaqus_beam_sections.hpp"
 #include "mesh/import/abaqus/abaqus_bindings.hpp"
 #include "mesh/import/abaqus/abaqus_keywords.hpp"
 #include "mesh/import/abaqus/abaqus_types.hpp"
@@ -18,8 +19,11 @@ namespace {
 
 class Reader {
  public:
+  explicit Reader(DeckProgram program) : program_(program) {}
+
   Deck read(const std::filesystem::path& path) {
     const std::vector<Keyword> keywords = read_keywords(path, deck_.file_names);
+    if (program_ == DeckProgram::unknown) program_ = written_for(keywords);
     deck_.parts.emplace_back();
     for (const Keyword& keyword : keywords) take(keyword);
     return std::move(deck_);
@@ -257,7 +261,7 @@ class Reader {
         if (dim.size() < 5) throw std::invalid_argument("A, I11, I12, I22 and J are wanted");
         section.bar = BarSection{.A = dim[0], .I_yy = dim[1], .I_zz = dim[3], .I_yz = dim[2], .J = dim[4]};
       } else {
-        section.bar = abaqus_section(type, dim);
+        section.bar = shaped_section(k, program_, deck_.otherwise);
       }
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument(fmt::format("{}: *{}: {}", k.where.text(), k.name, error.what()));
@@ -421,6 +425,7 @@ class Reader {
     }
   }
 
+  DeckProgram program_;
   Deck deck_;
   std::map<std::string, std::string> spelling_;
   Transform system_;  // of the nodes that follow
@@ -432,8 +437,8 @@ class Reader {
 
 }  // namespace
 
-Deck read_deck(const std::filesystem::path& path) {
-  return Reader().read(path);
+Deck read_deck(const std::filesystem::path& path, DeckProgram program) {
+  return Reader(program).read(path);
 }
 
 }  // namespace flexura::mesh::abaqus

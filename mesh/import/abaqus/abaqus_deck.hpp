@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "mesh/import/abaqus.hpp"
 #include "mesh/import/abaqus/abaqus_keywords.hpp"
 #include "mesh/import/bar_sections.hpp"
 #include "mesh/import/builder.hpp"
@@ -175,6 +176,6 @@ Orientation orientation_of(const Keyword& k);
 Transform system_of(const Keyword& k);
 
 /// Throws std::invalid_argument, naming file and line.
-Deck read_deck(const std::filesystem::path& path);
+Deck read_deck(const std::filesystem::path& path, DeckProgram program);
 
 }  // namespace flexura::mesh::abaqus

@@ -114,11 +114,16 @@ void NastranReader::read_materials() {
     material.name = std::to_string(id);
     material.rho = card->real(4, 0);
     const bool has_E = !card->blank(1), has_G = !card->blank(2), has_nu = !card->blank(3);
-    if (has_E + has_G + has_nu < 2)
-      throw std::invalid_argument(
-          fmt::format("{}: MAT1 {} needs two of E, G and NU", card->where.text(), id));
+    // Of E alone Nastran takes G = NU = 0: a shell or solid without any stiffness in shear, a bar that twists freely.
+    const bool has_E_alone = has_E && !has_G && !has_nu;
+    if (has_E + has_G + has_nu < 2 && !has_E_alone)
+      throw std::invalid_argument(fmt::format("{}: MAT1 {} needs E, or G and NU", card->where.text(), id));
+    if (has_E_alone)
+      deck_.approximated.add("MAT1 of E alone (Nastran: G = NU = 0): NU = 0 and G = E / 2 are used",
+                             card->where);
+    if (card->real(8, 0) != 0) deck_.unused.add("MAT1's GE (damping)", card->where);
     const double G = card->real(2, 0);
-    material.nu = has_nu ? card->real(3) : card->real(1) / (2 * G) - 1;
+    material.nu = has_nu ? card->real(3) : has_E_alone ? 0.0 : card->real(1) / (2 * G) - 1;
     material.E = has_E ? card->real(1) : 2 * G * (1 + material.nu);
     if (has_E && has_G && has_nu && std::abs(G * 2 * (1 + material.nu) / material.E - 1) > 1e-12) {
       material.G = G;
@@ -157,6 +162,12 @@ void NastranReader::read_parameters() {
     if (card->text(0) == "WTMASS") {
       mass_factor_ = card->real(1);
       require_positive(mass_factor_, "PARAM", "WTMASS", card->where);
+    } else if (card->text(0) == "COUPMASS") {
+      if (card->integer(1, -1) <= 0)
+        deck_.model.messages.push_back(fmt::format(
+            "{}: PARAM COUPMASS {}: masses of elements are consistent here, not lumped, so that few "
+            "elements tell the frequencies better",
+            card->where.text(), card->integer(1, -1)));
     } else {
       deck_.unused.add("PARAM " + card->text(0), card->where);
     }

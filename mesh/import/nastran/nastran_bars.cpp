@@ -179,6 +179,8 @@ std::string NastranBars::axes_of_vectors(const Card& card, const Card* defaults)
   std::string offt = card.text(7);
   if (offt.empty() && defaults) offt = defaults->text(7);
   if (offt.empty() || card.is_real(7)) return "GGG";  // CBEAM has BIT there, too
+  // Once the field told whether the orientation is a vector (1) or a grid point (2), which fields 6 to 8 tell by themselves.
+  if (offt == "1" || offt == "2") return "GGG";
   const bool known = offt.size() == 3 && (offt[0] == 'G' || offt[0] == 'B') &&
                      (offt[1] == 'G' || offt[1] == 'O') && (offt[2] == 'G' || offt[2] == 'O');
   if (!known)

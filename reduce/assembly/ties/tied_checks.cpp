@@ -143,7 +143,7 @@ void check_pieces(const Part& part, const TiedNumbering& numbering) {
   // Decks whose parts were meshed one by one and never merged.
   std::vector<mesh::Index> used;
   for (int n = 0; n < numbering.n_nodes(); ++n)
-    if (numbering.code(n, 0) != kUnused) used.push_back(n);
+    if (numbering.code(n, 0) != kUnused && !is_point[n]) used.push_back(n);
   std::string apart;
   int n_apart = 0;
   for (const auto& [a, b] : mesh::coincident_nodes(part.mesh.points, std::move(used)))

@@ -1,0 +1,90 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/import/abaqus/abaqus_beam_sections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+namespace flexura::mesh::abaqus {
+namespace {
+
+using Words = std::set<std::string>;
+
+bool is_of_calculix(const Keyword& k) {
+  static const Words solvers = {
+      "SPOOLES", "PASTIX", "PARDISO", "PROFILE", "TAUCS", "ITERATIVE SCALING", "ITERATIVE CHOLESKY"};
+  static const Words types = {"B31R", "B32R", "U1", "T3D3R", "DCOUP3D"};
+  if (k.name == "BEAM SECTION")
+    return k.has("OFFSET1") || k.has("OFFSET2") ||
+           (upper(k.get("SECTION")) == "CIRC" && numbers_of(k, 0).size() > 1);
+  if (k.name == "ELEMENT") return types.contains(upper(k.get("TYPE")));
+  if (k.name == "NODE FILE" || k.name == "EL FILE" || k.name == "NODE OUTPUT" || k.name == "ELEMENT OUTPUT") {
+    const std::string output = upper(k.get("OUTPUT"));
+    return output == "2D" || output == "3D";
+  }
+  return solvers.contains(upper(k.get("SOLVER"))) || (k.name == "FREQUENCY" && k.has("STORAGE"));
+}
+
+bool is_of_abaqus(const Keyword& k) {
+  static const Words names = {"PART", "ASSEMBLY", "INSTANCE", "PREPRINT", "BEAM GENERAL SECTION"};
+  static const Words types = {"B33", "B33H", "B31H", "B32H", "B31OS", "B32OS", "ROTARYI"};
+  static const Words sections = {"I", "L", "TRAPEZOID", "HEX", "ARBITRARY"};
+  if (k.name == "ELEMENT") return types.contains(upper(k.get("TYPE")));
+  if (k.name == "BEAM SECTION") return sections.contains(upper(k.get("SECTION")));
+  return names.contains(k.name) || (k.name == "OUTPUT" && (k.has("FIELD") || k.has("HISTORY")));
+}
+
+double extent(const BarSection& s, Eigen::Index axis) {
+  const auto [low, high] = std::ranges::minmax_element(
+      s.outline, {}, [axis](const Eigen::Vector2d& point) { return point[axis]; });
+  return (*high)[axis] - (*low)[axis];
+}
+
+double fraction(const Keyword& k, const char* key) {
+  return k.has(key) ? to_real(k.get(key), k.where) : 0.0;
+}
+
+}  // namespace
+
+DeckProgram written_for(const std::vector<Keyword>& keywords) {
+  const bool calculix = std::ranges::any_of(keywords, is_of_calculix),
+             abaqus = std::ranges::any_of(keywords, is_of_abaqus);
+  return calculix == abaqus ? DeckProgram::unknown : calculix ? DeckProgram::calculix : DeckProgram::abaqus;
+}
+
+BarSection shaped_section(const Keyword& k, DeckProgram program, Unused& otherwise) {
+  const std::string type = upper(k.get("SECTION"));
+  const std::vector<double> dim = numbers_of(k, 0);
+  const bool has_offset = k.has("OFFSET1") || k.has("OFFSET2");
+  if (program == DeckProgram::abaqus) {
+    if (has_offset)
+      otherwise.add("*BEAM SECTION's OFFSET1 and OFFSET2, which Abaqus does not know, are not used", k.where);
+    return abaqus_section(type, dim);
+  }
+  BarSection s;
+  if (type == "CIRC" && !dim.empty()) {
+    const double t_1 = dim[0], t_2 = dim.size() > 1 && dim[1] != 0.0 ? dim[1] : t_1;
+    if (!(t_1 > 0.0 && t_2 > 0.0))
+      throw std::invalid_argument(
+          fmt::format("SECTION=CIRC has the thicknesses {:g} and {:g}; they must be above zero", t_1, t_2));
+    s = ellipse(t_1 / 2, t_2 / 2);
+    if (program == DeckProgram::unknown && dim.size() < 2 && !has_offset)
+      otherwise.add(
+          fmt::format("*BEAM SECTION, SECTION=CIRC: {:g} is taken for the diameter, as CalculiX does; Abaqus "
+                      "takes it for the radius, and nothing in the deck tells which is meant: say it by "
+                      "geometry.program",
+                      t_1),
+          k.where);
+  } else {
+    s = abaqus_section(type, dim);
+  }
+  if (has_offset) {
+    s.node_y += fraction(k, "OFFSET1") * extent(s, 0);
+    s.node_z += fraction(k, "OFFSET2") * extent(s, 1);
+  }
+  return s;
+}
+
+}  // namespace flexura::mesh::abaqus
