@@ -92,6 +92,7 @@ nlohmann::json to_json(const Superelement& se, const superelement::ModeAnalysis&
           {"stress_modes", se.stress.has_value()},
           {"section_forces", se.sections ? se.sections->member.size() : 0},
           {"load_cases", se.load_cases.size()},
+          {"inertia_integrals", superelement::has_inertia_integrals(se)},
           {"vertices", se.surface.vertices.rows()},
           {"triangles", se.surface.triangles.rows()},
           {"interfaces", interfaces},
@@ -155,6 +156,8 @@ int check_superelement(const std::string& file, bool json, const terminal::Verbo
     facts.add_row({"first free frequency", number(modes.modes.back().frequency_hz, 6) + " Hz"});
   }
   add_errors(se, modes, facts);
+  if (!superelement::has_inertia_integrals(se))
+    facts.add_row({"inertia integrals", "none: centrifugal and Coriolis forces do not deform it"});
   if (se.n_q > 0) {
     facts.add_row({"fixed-interface modes",
                    fmt::format("{} to {} Hz", number(std::sqrt(se.omega2.minCoeff()) / 6.283185307179586, 6),

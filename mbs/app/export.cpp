@@ -24,7 +24,7 @@ using superelement::Superelement;
 
 struct Arguments {
   std::string file, output, format, held = "none", run;
-  int count = 30, frames = 200;
+  int count = 30, frames = 200, id = -1;
 };
 
 // The formats that take a results file.
@@ -108,11 +108,12 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   } else {
     claims.add(output);
   }
-  const Superelement se = superelement::read(arguments.file, {.matrices = true,
-                                                              .inertia = true,
-                                                              .stiffening = arguments.format == "sid",
-                                                              .surface = pictures,
-                                                              .shapes = pictures});
+  const Superelement se =
+      superelement::read(arguments.file, {.matrices = true,
+                                          .inertia = true,
+                                          .stiffening = arguments.format == "sid",
+                                          .surface = pictures || arguments.format == "flexdata",
+                                          .shapes = pictures});
   ModeAnalysis modes;
   if (!matrices) {
     modes = superelement::natural_modes(
@@ -134,11 +135,14 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
     superelement::write_sid(written[0], se, modes);
   } else if (arguments.format == "flexdata") {
     written = {output};
-    superelement::write_flexdata(written[0], superelement::make_flexdata(se, modes));
+    superelement::FlexData data = superelement::make_flexdata(se, modes);
+    if (arguments.id >= 0) data.id = arguments.id;
+    superelement::write_flexdata(written[0], data);
     if (!verbosity.quiet && !se.load_cases.empty()) {
-      fmt::print(stderr,
-                 "note: the {} load cases are not written (Reference_FlexData holds no load vectors)\n",
-                 se.load_cases.size());
+      fmt::print(
+          stderr,
+          "note: the {} load cases are not written (they would be the ModeLoad of Reference_FlexData)\n",
+          se.load_cases.size());
     }
   } else if (arguments.format == "vtk") {
     written = {output};
@@ -175,6 +179,8 @@ terminal::Command export_command() {
             .choice("--held", arguments->held, {"none", "all"},
                     "modes for sid, flexdata, vtk, gmsh, gltf: of the free body, or with all interfaces held")
             .option("-n,--count", arguments->count, "N", "at most this many elastic modes")
+            .option("--id", arguments.id, "N",
+                    "flexdata: id of the body; default 1, or that of the file it came from")
             .option("--frames", arguments->frames, "N", "pvd: at most about this many times of each run")
             .example("flexura export conrod.se.h5 --format matrix-market", "conrod.K.mtx and conrod.M.mtx")
             .example("flexura export conrod.se.h5 --format sid -n 12",

@@ -77,6 +77,13 @@ bool is_resolved(const MeshError& error) {
   return worst >= 0.0 && is_resolved(worst, error.rough);
 }
 
+bool has_inertia_integrals(const Superelement& se) {
+  const auto report = files::try_read_json(se.report_json);
+  if (!report.is_object() || !report.contains("flexdata") || !report["flexdata"].is_object()) return true;
+  const auto found = report["flexdata"].find("has_integrals");
+  return found == report["flexdata"].end() || !found->is_boolean() || found->get<bool>();
+}
+
 std::string percent_words(double error) {
   if (!(error >= 0.0)) return "unknown";
   if (error < kRoundOff) return "0";

@@ -30,6 +30,10 @@ bool is_resolved(double worst, bool rough);
 /// The same of what was judged; false where nothing was.
 bool is_resolved(const MeshError& error);
 
+/// Whether its deformation takes part in centrifugal and Coriolis forces; not where a FlexData file of another program brought no
+/// inertia integrals.
+bool has_inertia_integrals(const Superelement& se);
+
 /// "1.2", "50 or more", "unknown": an error in per cent.
 std::string percent_words(double error);
 

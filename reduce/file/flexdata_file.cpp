@@ -43,6 +43,7 @@ const input::TableSchema& flexdata_schema() {
             "program says which."};
     s.keys = {
         input::text("file", "FlexData file (.xml)").required(),
+        input::integer("id", "of the body, where the file holds several").at_least(0),
         input::choice("unit", {"m", "mm", "cm", "inch", "ft"}, "its length unit").or_default("m"),
         input::choice("mass_unit", {"kg", "t", "g", "lbf s^2/in", "slug"},
                       "its mass unit, the time being s; default: what goes with the length unit (m: kg, mm: "
@@ -99,6 +100,7 @@ FlexDataInput read_flexdata_part(const std::filesystem::path& file,
   part.source = text_of(file);
   part.where = in.where();
   part.file = in.file("file");
+  if (in.has("id")) part.id = in.integer("id");
   static const std::map<std::string, std::pair<double, std::string>> lengths = {
       {"m", {1.0, "kg"}},
       {"mm", {1e-3, "t"}},

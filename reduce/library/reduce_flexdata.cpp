@@ -119,7 +119,7 @@ void check_body(const FlexDataBody& body, const std::string& file) {
 }  // namespace
 
 Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
-  FlexData data = superelement::read_flexdata(input.file);
+  FlexData data = superelement::read_flexdata(input.file, input.id);
   if (data.nodes.empty())
     throw std::invalid_argument(
         input.file.string() +
@@ -129,6 +129,11 @@ Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
                                 ": has no modes; a body that does not deform needs no superelement, "
                                 "only its mass and inertia in the mechanism");
   std::vector<std::string> notes, warnings;
+  const bool has_integrals = data.body.has_value();
+  if (data.has_loads)
+    warnings.push_back(
+        "the loads of its ModeLoad block are not read: loads that act between the interface nodes are "
+        "missing");
   if (data.body) {
     if (input.mass || input.centre || input.inertia)
       throw input::InputError(input.where + ": " + input.file.string() +
@@ -203,7 +208,12 @@ Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
                fmt::format("{} modes of {} with the six rigid motions: {} interface dofs + {} modes", m,
                            input.file.filename().string(), r.n_b, r.n_q));
   const nlohmann::json json = {
-      {"flexdata", {{"file", input.file.filename().string()}, {"modes", m}}},
+      {"flexdata",
+       {{"file", input.file.filename().string()},
+        {"id", data.id},
+        {"num_nodes", data.num_nodes},
+        {"modes", m},
+        {"has_integrals", has_integrals}}},
       {"notes", notes},
       {"warnings", warnings},
       {"verdict", "as good as the modes of the file; what its mesh and its choice of modes cost is unknown"}};

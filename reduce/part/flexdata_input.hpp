@@ -21,6 +21,7 @@ namespace flexura::reduce {
 struct FlexDataInput {
   std::string name, source, where;
   std::filesystem::path file;
+  std::optional<int> id;                      ///< of the body, in a file of several
   double unit_length = 1.0, unit_mass = 1.0;  ///< of the file, in SI
   std::optional<double> mass;                 ///< [kg]
   std::optional<Eigen::Vector3d> centre;      ///< [m]

@@ -96,8 +96,8 @@ struct PartInput {
   mesh::CadOptions cad;                       ///< path of any format; geometry and meshing of CAD parts
   double unit_length = 1.0, unit_mass = 1.0;  ///< of a mesh file, in SI
   mesh::DeckProgram program = mesh::DeckProgram::unknown;  ///< that a deck was written for
-  bool mass_unit_known = true;                ///< given, or going with the length unit
-  double sheet_thickness = 0.0;               ///< [m] of a CAD part of faces; 0: solids
+  bool mass_unit_known = true;                             ///< given, or going with the length unit
+  double sheet_thickness = 0.0;                            ///< [m] of a CAD part of faces; 0: solids
   Formulation formulation = Formulation::standard;
   std::filesystem::path stiffness, mass_matrix;  ///< finished matrices; empty: none
   struct {

@@ -65,10 +65,8 @@ bool is_of_beams(const superelement::Superelement& se) {
          report["mesh"].contains("members");
 }
 
-ErrorSource mesh_of(const mbs::BodyDescription& body) {
-  ErrorSource out{"mesh", body.name, {}, 0.0, "its reduction reports no estimate"};
-  const superelement::Superelement se =
-      superelement::read(body.superelement, {.matrices = false, .inertia = false, .mesh_error = true});
+ErrorSource mesh_of(const std::string& name, const superelement::Superelement& se) {
+  ErrorSource out{"mesh", name, {}, 0.0, "its reduction reports no estimate"};
   const DeformationError known = deformation_error(se);
   const double sum = known.volume + known.left_out.value_or(0.0) + known.elements.value_or(0.0);
   if (known.left_out && known.elements) {
@@ -91,7 +89,13 @@ ErrorSource mesh_of(const mbs::BodyDescription& body) {
 void add_bodies(const mbs::PreparedMechanism& prepared, std::vector<ErrorSource>& sources) {
   for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies) {
     if (!study::can_deform(body)) continue;
-    if (body.flexible) sources.push_back(mesh_of(body));
+    if (body.flexible) {
+      const superelement::Superelement se =
+          superelement::read(body.superelement, {.matrices = false, .inertia = false, .mesh_error = true});
+      sources.push_back(mesh_of(body.name, se));
+      if (!superelement::has_inertia_integrals(se))
+        sources.push_back({"inertia", body.name, {}, 0.0, "its FlexData file has no inertia integrals"});
+    }
     if (!study::has_stiffening_terms(body))
       sources.push_back({"stiffening",
                          body.name,

@@ -30,6 +30,7 @@ std::string words_of(const std::string& kind, const std::string& names) {
   if (kind == "plane") return "bending across the plane of " + names;
   if (kind == "surface_contact") return "surface in contact of " + names;
   if (kind == "link") return "rigid link of " + names;
+  if (kind == "inertia") return "deformation by centrifugal and Coriolis forces of " + names;
   if (kind == "stiffening") return "geometric stiffening of " + names;
   if (kind == "switch") return "switching of " + names;
   return "user element " + names;

@@ -84,7 +84,8 @@ struct FlexData {
   };
   std::optional<FlexDataBody> body;  ///< none in the files of other programs
   int id = 1;
-  int num_nodes = 0;  ///< of the finite element model, or 0
+  int num_nodes = 0;       ///< of the finite element model, or 0
+  bool has_loads = false;  ///< a ModeLoad block, which is not read
   std::vector<ModeLine> modes;
   std::vector<NodeLine> nodes;
   Eigen::MatrixXd shapes;  ///< 6 n_nodes x n_modes: x, y, z, rx, ry, rz of node 0, then of node 1, ...
@@ -93,8 +94,9 @@ struct FlexData {
 FlexData make_flexdata(const Superelement& se, const ModeAnalysis& modes);
 void write_flexdata(const std::filesystem::path& path, const FlexData& data);
 /// Reads what write_flexdata writes and MotionSolve's own files.  Throws std::invalid_argument naming file
-/// and line, also for more numbers than the counts say, what is not finite, and rigid modes.
-FlexData read_flexdata(const std::filesystem::path& path);
+/// and line, also for more numbers than the counts say, what is not finite, rigid modes, and for a file of several bodies
+/// of which `id` names none.
+FlexData read_flexdata(const std::filesystem::path& path, std::optional<int> id = {});
 
 namespace exchange {
 /// The elastic modes as columns, n x m.

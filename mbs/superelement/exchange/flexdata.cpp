@@ -5,66 +5,25 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
-#include <map>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
 
 #include "mbs/base/files/inputs.hpp"
+#include "mbs/base/files/json_text.hpp"
 #include "mbs/base/files/plain_text.hpp"
 #include "mbs/superelement/exchange/exchange.hpp"
+#include "mbs/superelement/exchange/flexdata_text.hpp"
 #include "mbs/superelement/text_file.hpp"
 
-// MotionSolve Reference Guide, Reference_FlexData. The guide's own example is not well-formed XML (tags that
-// do not match in case, "< ! -- -->" as a comment), so the reader looks for blocks and numbers only.
+// MotionSolve Reference Guide, Reference_FlexData.
 namespace flexura::superelement {
 namespace {
 
-struct Reader {
-  std::string text;
-  std::string file;
-
-  int line_at(std::size_t at) const {
-    return 1 +
-           static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
-  }
-  [[noreturn]] void fail(std::size_t at, const std::string& what) const {
-    throw std::invalid_argument(fmt::format("{}:{}: {}", file, line_at(std::min(at, text.size())), what));
-  }
-};
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-struct Block {
-  std::size_t begin = 0, end = 0;
-};
-
-// What stands between <tag and </tag, whatever their case.
-std::optional<Block> find_block(const Reader& reader, const std::string& lowered, const std::string& tag) {
-  const std::size_t open = lowered.find("<" + tag);
-  if (open == std::string::npos) return std::nullopt;
-  const std::size_t close = lowered.find("</" + tag, open);
-  if (close == std::string::npos) reader.fail(open, "<" + tag + "> is not closed; the file is cut short");
-  return Block{open + tag.size() + 1, close};
-}
-
-int attribute(const Reader& reader, const std::string& lowered, const std::string& name, bool required) {
-  std::size_t at = lowered.find(name + " ");
-  if (at == std::string::npos) at = lowered.find(name + "=");
-  const std::size_t quote = at == std::string::npos ? at : lowered.find('"', at);
-  int value = 0;
-  if (quote == std::string::npos ||
-      std::from_chars(lowered.data() + quote + 1, lowered.data() + lowered.size(), value).ec != std::errc()) {
-    if (required)
-      reader.fail(at == std::string::npos ? 0 : at, "the attribute " + name + " = \"number\" is missing");
-    return 0;
-  }
-  if (value < 0 || value > 10'000'000) reader.fail(at, fmt::format("{} = {} cannot be", name, value));
-  return value;
-}
+using flexdata::Block;
+using Reader = flexdata::Text;
 
 // All numbers of a block; what stands between "<" and ">" is a tag or comment.
 class Numbers {
@@ -75,20 +34,24 @@ class Numbers {
   }
   double next(const char* what) {
     const std::string& text = reader_.text;
-    for (;;) {
-      while (at_ < end_ && (std::isspace(static_cast<unsigned char>(text[at_])) || text[at_] == ',')) ++at_;
-      if (at_ >= end_) reader_.fail(end_, fmt::format("the block ends where {} is wanted", what));
-      if (text[at_] != '<') break;
-      at_ = std::min(text.find('>', at_), end_ - 1) + 1;
-    }
+    skip();
+    if (at_ >= end_) reader_.fail(end_, fmt::format("the block ends where {} is wanted", what));
     const std::size_t start = at_ + (text[at_] == '+' ? 1 : 0);
     double value = 0.0;
-    const auto [stop, failure] = std::from_chars(text.data() + start, text.data() + end_, value);
+    auto [stop, failure] = std::from_chars(text.data() + start, text.data() + end_, value);
+    auto after = static_cast<std::size_t>(stop - text.data());
+    if (failure == std::errc() && after < end_ && (text[after] == 'D' || text[after] == 'd')) {  // Fortran's
+      std::string number = text.substr(start, std::min<std::size_t>(end_ - start, 60));
+      number[after - start] = 'e';
+      const auto again = std::from_chars(number.data(), number.data() + number.size(), value);
+      failure = again.ec;
+      after = start + static_cast<std::size_t>(again.ptr - number.data());
+    }
     if (failure != std::errc() || !std::isfinite(value)) {
       reader_.fail(at_, fmt::format("\"{}\" stands where {} is wanted",
                                     text.substr(at_, std::min<std::size_t>(12, end_ - at_)), what));
     }
-    at_ = static_cast<std::size_t>(stop - text.data());
+    at_ = after;
     return value;
   }
   int whole(const char* what) {
@@ -100,18 +63,25 @@ class Numbers {
   [[noreturn]] void refuse(const std::string& what) const { reader_.fail(at_, what); }
   /// Refuses what is left.
   void end(const std::string& count) {
-    const std::string& text = reader_.text;
-    for (;;) {
-      while (at_ < end_ && std::isspace(static_cast<unsigned char>(text[at_]))) ++at_;
-      if (at_ >= end_) return;
-      if (text[at_] != '<') break;
-      at_ = std::min(text.find('>', at_), end_ - 1) + 1;
-    }
+    skip();
+    if (at_ >= end_) return;
     reader_.fail(at_, fmt::format("the block goes on with \"{}\" after {}",
-                                  text.substr(at_, std::min<std::size_t>(12, end_ - at_)), count));
+                                  reader_.text.substr(at_, std::min<std::size_t>(12, end_ - at_)), count));
   }
 
  private:
+  void skip() {
+    const std::string& text = reader_.text;
+    while (at_ < end_) {
+      const char c = text[at_];
+      if (c == '<')
+        at_ = std::min(text.find('>', at_), end_ - 1) + 1;
+      else if (std::isspace(static_cast<unsigned char>(c)) || c == ',')
+        ++at_;
+      else
+        return;
+    }
+  }
   const Reader& reader_;
   std::size_t at_, end_;
 };
@@ -235,6 +205,15 @@ FlexDataBody read_body(const Reader& reader, Block block, int n_nodes, int n_mod
   return body;
 }
 
+// A count that the reduction's report holds.
+std::optional<int> count_in(const nlohmann::json& report, const char* table, const char* key) {
+  if (!report.is_object() || !report.contains(table) || !report[table].is_object()) return std::nullopt;
+  const auto& in = report[table];
+  if (!in.contains(key) || !in[key].is_number_integer()) return std::nullopt;
+  const auto count = in[key].get<std::int64_t>();
+  return count >= 0 && count <= 2'000'000'000 ? std::optional(static_cast<int>(count)) : std::nullopt;
+}
+
 }  // namespace
 
 FlexData make_flexdata(const Superelement& se, const ModeAnalysis& modes) {
@@ -251,7 +230,13 @@ FlexData make_flexdata(const Superelement& se, const ModeAnalysis& modes) {
     data.nodes.push_back({static_cast<int>(k) + 1, interface.p_BoN_B});
     data.shapes.middleRows<6>(6 * static_cast<Eigen::Index>(k)) = interface_motion(se, interface) * Y;
   }
-  data.num_nodes = static_cast<int>(se.surface.vertices.rows());
+  // Of the model; a superelement whose report does not tell it has its surface, or its interfaces at least.
+  const auto report = flexura::files::try_read_json(se.report_json);
+  data.num_nodes = static_cast<int>(
+      std::max<Eigen::Index>(se.surface.vertices.rows(), static_cast<Eigen::Index>(se.interfaces.size())));
+  data.num_nodes = std::max({data.num_nodes, count_in(report, "mesh", "nodes").value_or(0),
+                             count_in(report, "flexdata", "num_nodes").value_or(0)});
+  data.id = count_in(report, "flexdata", "id").value_or(data.id);
   FlexDataBody& body = data.body.emplace();
   const InertiaIntegrals& I = se.inertia;
   body.mass = I.mass, body.S_x = I.S_x, body.S_xx = I.S_xx;
@@ -297,33 +282,24 @@ void write_flexdata(const std::filesystem::path& path, const FlexData& data) {
   write_whole(path, {out.data(), out.size()});
 }
 
-FlexData read_flexdata(const std::filesystem::path& path) {
-  Reader reader;
-  reader.file = path.string();
+FlexData read_flexdata(const std::filesystem::path& path, std::optional<int> id) {
   flexura::files::note_input(path);
   std::ifstream in(path, std::ios::binary);
   if (!in)
-    throw std::invalid_argument(reader.file + ": there is no such file or it cannot be read; check the path");
-  reader.text.assign((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  const std::string lowered = lower(reader.text);
-  const std::size_t start = lowered.find("<reference_flexdata");
-  if (start == std::string::npos) reader.fail(0, "holds no Reference_FlexData");
-  if (lowered.find("</reference_flexdata", start) == std::string::npos)
-    reader.fail(start, "Reference_FlexData is not closed; the file is cut short");
-  const auto mode_block = find_block(reader, lowered, "modedata");
-  if (!mode_block) reader.fail(start, "has no ModeData block");
-  const auto node_block = find_block(reader, lowered, "nodedata");
-  if (!node_block) reader.fail(start, "has no NodeData block");
-
-  const std::string header = lowered.substr(start, mode_block->begin - start);
+    throw std::invalid_argument(path.string() +
+                                ": there is no such file or it cannot be read; check the path");
+  const Reader whole{path.string(), {(std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>()}},
+      reader{path.string(), flexdata::without_comments(whole.text)};
+  const std::vector<flexdata::Element> elements = flexdata::elements_of(reader);
+  const flexdata::Element& element = flexdata::chosen(reader, elements, id);
   FlexData data;
-  data.id = attribute(reader, header, " id", false);
-  if (data.id == 0) data.id = attribute(reader, header, "\nid", true);
-  data.num_nodes = attribute(reader, header, "num_nodes", false);
-  const int n_modes = attribute(reader, header, "num_sel_modes", true);
-  const int n_nodes = attribute(reader, header, "num_sel_nodes", true);
+  data.id = element.required(reader, "id");
+  data.num_nodes = element.whole(reader, "num_nodes").value_or(0);
+  data.has_loads = element.loads.has_value();
+  const int n_modes = element.required(reader, "num_sel_modes");
+  const int n_nodes = element.required(reader, "num_sel_nodes");
 
-  Numbers mode_numbers(reader, *mode_block);
+  Numbers mode_numbers(reader, element.modes);
   for (int j = 0; j < n_modes; ++j) {
     FlexData::ModeLine mode;
     mode.id = mode_numbers.whole("a mode's number");
@@ -343,7 +319,7 @@ FlexData read_flexdata(const std::filesystem::path& path) {
     data.modes.push_back(mode);
   }
   mode_numbers.end(fmt::format("num_sel_modes = {} modes", n_modes));
-  Numbers node_numbers(reader, *node_block);
+  Numbers node_numbers(reader, element.nodes);
   for (int k = 0; k < n_nodes; ++k) {
     FlexData::NodeLine node;
     node.id = node_numbers.whole("a node's number");
@@ -357,11 +333,11 @@ FlexData read_flexdata(const std::filesystem::path& path) {
     values.push_back(node_numbers.next("a mode shape's entry"));
   data.shapes = Eigen::Map<const Eigen::MatrixXd>(values.data(), 6 * n_nodes, n_modes);
   node_numbers.end(fmt::format("{} mode shapes at {} nodes", n_modes, n_nodes));
-  if (const std::size_t comment = reader.text.find(kComment, node_block->end); comment != std::string::npos) {
-    const std::size_t close = reader.text.find("-->", comment);
+  if (const std::size_t comment = whole.text.find(kComment, element.begin); comment < element.end) {
+    const std::size_t close = whole.text.find("-->", comment);
     if (close == std::string::npos)
       reader.fail(comment, "the comment of the inertia integrals is not closed; the file is cut short");
-    data.body = read_body(reader, {comment + std::string(kComment).size(), close}, n_nodes, n_modes);
+    data.body = read_body(whole, {comment + std::string(kComment).size(), close}, n_nodes, n_modes);
   }
   return data;
 }
