@@ -179,7 +179,7 @@ terminal::Command export_command() {
             .choice("--held", arguments->held, {"none", "all"},
                     "modes for sid, flexdata, vtk, gmsh, gltf: of the free body, or with all interfaces held")
             .option("-n,--count", arguments->count, "N", "at most this many elastic modes")
-            .option("--id", arguments.id, "N",
+            .option("--id", arguments->id, "N",
                     "flexdata: id of the body; default 1, or that of the file it came from")
             .option("--frames", arguments->frames, "N", "pvd: at most about this many times of each run")
             .example("flexura export conrod.se.h5 --format matrix-market", "conrod.K.mtx and conrod.M.mtx")

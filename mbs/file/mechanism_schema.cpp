@@ -47,12 +47,12 @@ TableSchema shape_schema() {
   schema.selector = "type";
   const Key color = text("color", "like \"#88aacc\"");
   TableSchema cylinder, box, sphere;
-  cylinder.keys = {vector3("from", dim::length, "centre of one end").required(),
-                   vector3("to", dim::length, "centre of the other end").required(),
+  cylinder.keys = {vector3("from", dim::length, "centre of one end, in the body's frame").required(),
+                   vector3("to", dim::length, "centre of the other end, in the body's frame").required(),
                    quantity("radius", dim::length, "radius").required().above(0.0), color};
-  box.keys = {vector3("center", dim::length, "centre").or_default("[0, 0, 0]"),
-              vector3("size", dim::length, "lengths along x, y, z").required(), color};
-  sphere.keys = {vector3("center", dim::length, "centre").or_default("[0, 0, 0]"),
+  box.keys = {vector3("center", dim::length, "centre, in the body's frame").or_default("[0, 0, 0]"),
+              vector3("size", dim::length, "lengths along x, y, z of the body's frame").required(), color};
+  sphere.keys = {vector3("center", dim::length, "centre, in the body's frame").or_default("[0, 0, 0]"),
                  quantity("radius", dim::length, "radius").required().above(0.0), color};
   schema.variants = {{"cylinder", cylinder}, {"box", box}, {"sphere", sphere}};
   return schema;
@@ -84,6 +84,16 @@ TableSchema body_schema() {
 
 std::string in_unit(const std::string& unit) {
   return unit.empty() ? "" : " [`" + unit + "`]";
+}
+
+/// ", in the axes of F" of a component along x, y, z of what M does in F; of a quaternion what it turns.
+std::string frame_of(const std::string& name) {
+  if (name == "qw" || name == "qx" || name == "qy" || name == "qz")
+    return ", of the quaternion (w, x, y, z) that turns F's axes into M's";
+  const char last = name.back();
+  const bool is_component =
+      (last == 'x' || last == 'y' || last == 'z') && (name.size() == 1 || name[name.size() - 2] == '_');
+  return is_component ? ", of M as seen from F, in the axes of F" : "";
 }
 
 /// "`NAME.angle` [`rad`], ...": coordinates, speeds and accelerations, and what a joint transmits.
@@ -152,16 +162,16 @@ TableSchema joint_schema(bool is_connection) {
     variant.doc = type.doc + results_doc(*joint);
     const auto coordinates = joint->coordinates(), speeds = joint->speeds();
     for (const CoordinateInfo& c : coordinates)
-      variant.keys.push_back(
-          quantity(c.name, c.dimension,
-                   "coordinate at the start; moves only where the others cannot close the loops"));
+      variant.keys.push_back(quantity(c.name, c.dimension,
+                                      "coordinate at the start" + frame_of(c.name) +
+                                          "; moves only where the others cannot close the loops"));
     for (const CoordinateInfo& c : speeds)
-      variant.keys.push_back(quantity(c.name, c.dimension, "speed at the start"));
+      variant.keys.push_back(quantity(c.name, c.dimension, "speed at the start" + frame_of(c.name)));
     if (joint->n_p() == joint->n_v() && !is_connection) {
       for (const CoordinateInfo& c : coordinates) {
-        Key drive = expression(
-            joint->n_v() == 1 ? "drive" : "drive_" + c.name,
-            "drives the coordinate \"" + c.name + "\": a formula of t, parameters and states of controls");
+        Key drive = expression(joint->n_v() == 1 ? "drive" : "drive_" + c.name,
+                               "drives the coordinate \"" + c.name + "\"" + frame_of(c.name) +
+                                   ": a formula of t, parameters and states of controls");
         drive.dimension = c.dimension;
         variant.keys.push_back(std::move(drive));
       }
@@ -317,7 +327,9 @@ TableSchema mechanism_schema(TableSchema solver) {
       "which is made again. A row that falls on an event shows what was before it.";
   schema.keys = {
       text("name", "title of results and pictures; without it the file's name"),
-      vector3("gravity", dim::acceleration, "acceleration of free fall").or_default("[0, 0, -9.81]"),
+      vector3("gravity", dim::acceleration,
+              "acceleration of free fall, in world axes; that of the file that places a subsystem counts")
+          .or_default("[0, 0, -9.81]"),
       formulas(
           "parameters",
           "names for formulas; each a number, a quantity or a formula of the others. Every number of the "

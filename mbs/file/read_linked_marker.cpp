@@ -73,7 +73,8 @@ std::vector<input::Key> linked_marker_keys() {
             "position it stands in their centre"),
       vectors3(
           "points", dim::length,
-          "instead of on: places on the surface of a superelement with pictures; the nodes nearest to "
+          "instead of on: places on the surface of a superelement with pictures, in the body's frame; the "
+          "nodes nearest to "
           "them carry the marker, beside those of nodes; loads on it have no geometric stiffening in the "
           "superelement, so modal-stiffened refuses them"),
       quantity("within", dim::length,

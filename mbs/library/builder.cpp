@@ -3,24 +3,54 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <stdexcept>
 
+#include "mbs/mechanism/description/body_faults.hpp"
+
 namespace flexura::mbs {
+namespace {
+
+void require_finite(const std::string& what, double value) {
+  if (!std::isfinite(value))
+    throw std::invalid_argument(fmt::format("{} is {}; give a finite number", what, value));
+}
+
+void require_pose(const std::string& of, const Pose& X) {
+  if (const std::string fault = pose_fault(X); !fault.empty()) throw std::invalid_argument(of + ": " + fault);
+}
+
+}  // namespace
+
+void MechanismBuilder::require_not_negative(const std::string& name, const char* what, double value) {
+  if (!(value >= 0.0 && std::isfinite(value)))
+    throw std::invalid_argument(
+        fmt::format("element \"{}\": {} is {:g}; it must be finite and not negative", name, what, value));
+}
 
 MechanismBuilder::Marker MechanismBuilder::Body::marker(const Pose& X_BP) const {
   MechanismDescription& d = builder_->d_;
-  return {d.add_marker(index_, fmt::format("marker_{}", d.markers.size() + 1), X_BP)};
+  require_pose("a marker of body \"" + d.bodies[index_].name + "\"", X_BP);
+  return {d.add_marker(index_, fmt::format("marker_{}", d.markers.size() + 1), X_BP), builder_};
 }
 
-MechanismBuilder::Marker MechanismBuilder::Body::marker(const std::string& interface,
-                                                        const Pose& X_NP) const {
+MechanismBuilder::Marker MechanismBuilder::Body::marker(std::initializer_list<double> p_BoP_B) const {
+  if (p_BoP_B.size() != 3)
+    throw std::invalid_argument(fmt::format("a marker of body \"{}\" has {} numbers; give x, y and z",
+                                            builder_->d_.bodies[index_].name, p_BoP_B.size()));
+  return marker(Pose{Matrix3d::Identity(), Vector3d(p_BoP_B.begin())});
+}
+
+MechanismBuilder::Marker MechanismBuilder::Body::marker_at(const std::string& interface,
+                                                           const Pose& X_NP) const {
   MechanismDescription& d = builder_->d_;
   const BodyDescription& body = d.bodies[index_];
   const int node = body.flexible ? body.flexible->find_node(interface) : -1;
   if (node < 0)
     throw std::invalid_argument(fmt::format(
         "body \"{}\" has no interface \"{}\"; name one of its superelement's", body.name, interface));
-  return {d.add_marker(index_, fmt::format("{}_{}", interface, d.markers.size() + 1), X_NP, node)};
+  require_pose(fmt::format("a marker on interface \"{}\" of body \"{}\"", interface, body.name), X_NP);
+  return {d.add_marker(index_, fmt::format("{}_{}", interface, d.markers.size() + 1), X_NP, node), builder_};
 }
 
 MechanismBuilder::JointHandle& MechanismBuilder::JointHandle::start(double q, int i) {
@@ -31,6 +61,7 @@ MechanismBuilder::JointHandle& MechanismBuilder::JointHandle::start(double q, in
   if (joint.drives.contains(i))
     throw std::invalid_argument(
         fmt::format("coordinate {} of joint \"{}\" is driven; leave its start out", i, joint.name));
+  require_finite(fmt::format("the start of coordinate {} of joint \"{}\"", i, joint.name), q);
   joint.initial_coordinates[i] = q;
   return *this;
 }
@@ -43,6 +74,7 @@ MechanismBuilder::JointHandle& MechanismBuilder::JointHandle::speed(double v, in
   if (joint.drives.contains(i))
     throw std::invalid_argument(
         fmt::format("coordinate {} of joint \"{}\" is driven; leave its speed out", i, joint.name));
+  require_finite(fmt::format("the speed {} of joint \"{}\"", i, joint.name), v);
   joint.initial_speeds[i] = v;
   return *this;
 }
@@ -60,7 +92,13 @@ MechanismBuilder::JointHandle& MechanismBuilder::JointHandle::drive(const std::s
   return *this;
 }
 
+void MechanismBuilder::gravity(const Vector3d& g_W) {
+  for (const double g : g_W) require_finite("gravity", g);
+  d_.gravity = g_W;
+}
+
 void MechanismBuilder::parameter(const std::string& name, double value) {
+  require_finite("parameter \"" + name + "\"", value);
   if (name == "t" || name == "pi" || d_.signals.find(name) >= 0)
     throw std::invalid_argument(
         fmt::format("\"{}\" means something in formulas already; choose another name", name));
@@ -76,6 +114,9 @@ void MechanismBuilder::input(const std::string& name, const std::string& text) {
 
 MechanismBuilder::Body MechanismBuilder::add(const std::string& name, const RigidBody& body,
                                              std::optional<Pose> X_WB) {
+  if (const auto fault = body_fault(body.mass, body.center, body.inertia))
+    throw std::invalid_argument(
+        fmt::format("body \"{}\": {} {}; {}", name, fault->key, fault->rule, fault->remedy));
   return add_body({.name = name,
                    .inertia = RigidInertia::from_center(body.mass, body.center, body.inertia),
                    .X_WB = std::move(X_WB)});
@@ -96,6 +137,7 @@ MechanismBuilder::Body MechanismBuilder::add(const std::string& name,
 
 MechanismBuilder::Body MechanismBuilder::add_body(BodyDescription body) {
   require_new(body.name, "body");
+  if (body.X_WB) require_pose("body \"" + body.name + "\"", *body.X_WB);
   return {*this, d_.add_body(std::move(body))};
 }
 
@@ -157,7 +199,7 @@ void MechanismBuilder::add_element(std::shared_ptr<const Control> element) {
 }
 
 int MechanismBuilder::plain(Marker m) const {
-  if (m.index < 0 || m.index >= static_cast<int>(d_.markers.size()))
+  if (m.index < 0 || m.index >= static_cast<int>(d_.markers.size()) || (m.of && m.of != this))
     throw std::invalid_argument(
         fmt::format("the marker {} is none of mechanism \"{}\"; make markers by the bodies of the builder "
                     "that they are for",

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <concepts>
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -41,19 +42,31 @@ class MechanismBuilder {
   /// A frame on a body.
   struct Marker {
     int index = -1;
+    const MechanismBuilder* of = nullptr;  ///< that made it
   };
 
   class Body {
    public:
     /// A new marker at X_BP in the body (undeformed).
+    /// Throws std::invalid_argument where X_BP is not finite or no rotation.
     Marker marker(const Pose& X_BP = {}) const;
+    /// In the body's axes, at {x, y, z} from its origin [m].
+    Marker marker(std::initializer_list<double> p_BoP_B) const;
+    template <class Derived>
+    Marker marker(const Eigen::MatrixBase<Derived>& p_BoP_B) const {
+      return marker(Pose{Matrix3d::Identity(), Vector3d(p_BoP_B)});
+    }
     /// A new marker that moves with an interface of a flexible body, at X_NP from it.  Throws
-    /// std::invalid_argument for a name that the body does not have.
-    Marker marker(const std::string& interface, const Pose& X_NP = {}) const;
+    /// std::invalid_argument for a name that the body does not have.  A template, so that the numbers of {0, 0, 1} are no letters.
+    template <std::convertible_to<std::string> Text>
+    Marker marker(const Text& interface, const Pose& X_NP = {}) const {
+      return marker_at(interface, X_NP);
+    }
     int index() const { return index_; }
 
    private:
     friend class MechanismBuilder;
+    Marker marker_at(const std::string& interface, const Pose& X_NP) const;
     Body(MechanismBuilder& builder, int index) : builder_(&builder), index_(index) {}
     MechanismBuilder* builder_;
     int index_;
@@ -78,14 +91,16 @@ class MechanismBuilder {
 
   explicit MechanismBuilder(std::string name = "mechanism") { d_.name = std::move(name); }
 
-  void gravity(const Vector3d& g_W) { d_.gravity = g_W; }  ///< [m/s^2]
+  /// Acceleration of free fall in world axes [m/s^2]; none without it, where a file has [0, 0, -9.81].
+  void gravity(const Vector3d& g_W);
   /// A constant that formulas read by its name.
   void parameter(const std::string& name, double value);
   /// An input: a function of t that formulas read by its name.
   void input(const std::string& name, const std::string& formula);
 
   Body ground() { return {*this, 0}; }
-  /// `X_WB` is a guess of where it stands, for loops that close in more than one way.
+  /// `X_WB` is a guess of where it stands, for loops that close in more than one way.  Throws std::invalid_argument for what a
+  /// file is refused for: masses, inertias and places that no body has.
   Body add(const std::string& name, const RigidBody& body, std::optional<Pose> X_WB = {});
   Body add(const std::string& name, const ModalBody& body, std::optional<Pose> X_WB = {});
   /// Any other law of deformation.
@@ -111,10 +126,12 @@ class MechanismBuilder {
   /// The same of an element whose law has names: {.stiffness = 1e4}.
   template <class Element>
   void add(const std::string& name, Marker P, Marker Q, typename Element::Law law) {
+    require_law(name, law);
     add_element(std::make_shared<Element>(name, plain(P), plain(Q), std::move(law)));
   }
   template <class Element>
   void add(const std::string& name, CoordinateRef c, typename Element::Law law) {
+    require_law(name, law);
     add_element(std::make_shared<Element>(name, plain(c), std::move(law)));
   }
 
@@ -137,6 +154,19 @@ class MechanismBuilder {
   static T&& plain(T&& x) {
     return std::forward<T>(x);
   }
+  // As the keys of a file are: stiffness and damping that are not negative.
+  template <class Law>
+  static void require_law(const std::string& name, const Law& law) {
+    const auto check = [&](const char* what, const auto& value) {
+      if constexpr (std::convertible_to<decltype(value), double>)
+        require_not_negative(name, what, static_cast<double>(value));
+    };
+    if constexpr (requires { law.stiffness; }) check("stiffness", law.stiffness);
+    if constexpr (requires { law.damping; }) check("damping", law.damping);
+    if constexpr (requires { law.stick_stiffness; }) check("stick_stiffness", law.stick_stiffness);
+    if constexpr (requires { law.stick_damping; }) check("stick_damping", law.stick_damping);
+  }
+  static void require_not_negative(const std::string& name, const char* what, double value);
   JointHandle add_joint(const std::string& name, std::shared_ptr<const Joint> joint, Marker F, Marker M);
   Body add_body(BodyDescription body);
   void add_element(std::shared_ptr<const Constraint> element);

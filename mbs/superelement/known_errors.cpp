@@ -84,6 +84,12 @@ bool has_inertia_integrals(const Superelement& se) {
   return found == report["flexdata"].end() || !found->is_boolean() || found->get<bool>();
 }
 
+bool is_of_beams(const Superelement& se) {
+  const auto report = files::try_read_json(se.report_json);
+  return report.is_object() && report.contains("mesh") && report["mesh"].is_object() &&
+         report["mesh"].contains("members");
+}
+
 std::string percent_words(double error) {
   if (!(error >= 0.0)) return "unknown";
   if (error < kRoundOff) return "0";

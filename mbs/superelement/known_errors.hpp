@@ -34,6 +34,9 @@ bool is_resolved(const MeshError& error);
 /// inertia integrals.
 bool has_inertia_integrals(const Superelement& se);
 
+/// Whether it is made of a beam part, which has section forces and no stresses.
+bool is_of_beams(const Superelement& se);
+
 /// "1.2", "50 or more", "unknown": an error in per cent.
 std::string percent_words(double error);
 

@@ -10,6 +10,7 @@
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/superelement/known_errors.hpp"
+#include "mbs/superelement/modes.hpp"
 #include "mbs/superelement/text_file.hpp"
 #include "reduce/app/stage_lines.hpp"
 #include "reduce/part/write_mesh.hpp"
@@ -30,6 +31,18 @@ std::string reason_to_keep(const std::filesystem::path& output) {
   } catch (const std::exception& why) {
     return fmt::format("of which nobody knows whether it does ({})", why.what());
   }
+}
+
+/// Hinges and releases that the interfaces do not reach, which a mechanism finds free.  Of larger ones `flexura check` tells.
+std::string hinges_within(const superelement::Superelement& se) {
+  constexpr int kMost = 200;
+  if (se.n() > kMost) return "";
+  const int n = superelement::natural_modes(se, {}, 1).n_mechanisms;
+  return n == 0 ? ""
+                : fmt::format(
+                      "{} motion{} within the body that nothing resists (hinges, releases): {} free in "
+                      "a mechanism unless its joints hold {}",
+                      n, n == 1 ? "" : "s", n == 1 ? "it is" : "they are", n == 1 ? "it" : "them");
 }
 
 template <class Input>
@@ -63,6 +76,7 @@ void reduce_and_write(const Input& input, const std::filesystem::path& output, c
   if (!options.report.empty()) superelement::write_whole(options.report, reduced.json.dump(2) + "\n");
   line.finish();
   log.finish();
+  if (const std::string hinges = hinges_within(reduced.superelement); !hinges.empty()) say(hinges);
   for (const std::string& warning : reduced.warnings) terminal::say(stderr, "warning: " + warning);
   if (!options.quiet) fmt::print("{}wrote {}\n", reduced.text, output.string());
 }

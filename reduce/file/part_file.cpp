@@ -237,6 +237,7 @@ LoadInput read_load(const std::string& name, const Section& in) {
       l.faces = mesh::FacesRule{{faces.begin(), faces.end()}};
     }
     l.value = in.quantity("pressure");
+    if (in.has("side")) l.side = direction(in, "side");
   }
   if (type == "field") {
     l.type = LoadType::field;

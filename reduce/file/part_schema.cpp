@@ -238,9 +238,14 @@ TableSchema load_schema() {
                input::quantity("speed", dim::angular_velocity, "centrifugal load of this speed").required()}};
   s.variants["pressure"] = {
       .name = "load by pressure",
-      .keys = {input::text("group", "named set whose faces it pushes on"),
-               input::integers("faces", "or face numbers as `--list-faces` prints them"),
-               input::quantity("pressure", dim::pressure, "pushes against the faces").required()}};
+      .keys = {
+          input::text("group", "named set whose faces it pushes on"),
+          input::integers("faces", "or face numbers as `--list-faces` prints them"),
+          input::quantity("pressure", dim::pressure, "pushes against the faces").required(),
+          input::vector3("side", dim::none,
+                         "of shells: the pushed side looks this way, in the part's axes (of a closed shell: "
+                         "outwards, seen from there); default: the side of their numbering, of which a "
+                         "quarter at most may differ")}};
   s.variants["field"] = {
       .name = "load by formulas",
       .keys = {input::text("x", "force per mass along x [m/s^2], a formula of x, y, z [m]").or_default("0"),

@@ -13,7 +13,8 @@ std::string odd_material(const Material& material, bool of_deck) {
   if (!material.plies.empty()) return "";              // a mean of others, which are asked themselves
   constexpr double kSoftest = 1e3, kStiffest = 2e12;   // [Pa]: gels, diamond
   constexpr double kLightest = 1.0, kHeaviest = 25e3;  // [kg/m^3]: aerogels, osmium
-  constexpr double kFastest = 25e3;                    // [m/s], of sound in a bar: 17e3 in diamond
+  // [m/s], of sound in a bar: 17e3 in diamond, some 40 in soft rubber.
+  constexpr double kSlowest = 20.0, kFastest = 25e3;
   const auto remedy = [&](const char* own) -> std::string {
     return of_deck
                ? "a deck is taken in m, kg, s unless [geometry] unit says otherwise (unit = \"mm\": mm, t, s)"
@@ -29,12 +30,11 @@ std::string odd_material(const Material& material, bool of_deck) {
     return fmt::format("material \"{}\" has a density of {:.3g} kg/m^3, as no material has; {}",
                        material.name, material.density,
                        remedy("is its unit missing (density = \"7850 kg/m^3\")?"));
-  if (const double speed = std::sqrt(stiffness / material.density); speed > kFastest)
+  if (const double speed = std::sqrt(stiffness / material.density); speed > kFastest || speed < kSlowest)
     return fmt::format(
-        "material \"{}\" has a stiffness of about {:.3g} Pa and {:.3g} kg/m^3, in which sound would be as "
-        "fast "
+        "material \"{}\" has a stiffness of about {:.3g} Pa and {:.3g} kg/m^3, in which sound would be as {} "
         "as in no material ({:.2g} km/s); {}",
-        material.name, stiffness, material.density, 1e-3 * speed,
+        material.name, stiffness, material.density, speed > kFastest ? "fast" : "slow", 1e-3 * speed,
         remedy("are the units of Young's modulus and density right (\"210 GPa\", \"7850 kg/m^3\")?"));
   return "";
 }

@@ -10,6 +10,7 @@
 #include <functional>
 
 #include "mbs/base/documents/document.hpp"
+#include "mesh/model/shell_sides.hpp"
 #include "reduce/assembly/input/constraints.hpp"
 #include "reduce/assembly/input/shell_skins.hpp"
 #include "reduce/assembly/point_mass.hpp"
@@ -274,6 +275,20 @@ void add_links(const PartInput& input, ModelledPart& out) {
   }
 }
 
+// Which side of a shell is pushed stands in no picture of it.
+void say_push(const LoadInput& wanted, const mesh::ShellSides& sides, const Eigen::RowVector3d& sum,
+              ModelledPart& out) {
+  if (sides.n_shells == 0) return;
+  const auto shown = [&](int k) { return std::abs(sum(k)) > 1e-12 * sum.norm() ? sum(k) : 0.0; };
+  out.notes.push_back(fmt::format("load {}: its pressure on {} shells adds up to ({:.5g}, {:.5g}, {:.5g}) N",
+                                  wanted.name, sides.n_shells, shown(0), shown(1), shown(2)));
+  if (sides.n_turned > 0 && !wanted.side)
+    out.warnings.push_back(fmt::format(
+        "load {}: {} of {} shells are numbered the other way round; they are pushed from the same "
+        "side as their neighbours (side = [x, y, z] names it)",
+        wanted.name, sides.n_turned, sides.n_shells));
+}
+
 /// `surface` is the mesh in which faces are chosen: before shells have got their skins.
 void add_loads(const PartInput& input, const PartMesh& from, const mesh::Mesh& surface, ModelledPart& out) {
   const mesh::Mesh& mesh = out.part.mesh;
@@ -295,7 +310,18 @@ void add_loads(const PartInput& input, const PartMesh& from, const mesh::Mesh& s
           throw std::invalid_argument(
               "the set has no faces of the part's surface to push on; name a set of whole faces");
         load.forces = Eigen::MatrixX3d::Zero(mesh.n_nodes(), 3);
-        load.forces.topRows(surface.n_nodes()) = -wanted.value * pressure_load(surface, chosen.set.faces);
+        const std::vector<mesh::CellBlock>& faces = chosen.set.faces;
+        const mesh::ShellSides sides = mesh::shells_of_one_side(surface, faces, wanted.side);
+        if (wanted.side && sides.n_shells == 0)
+          throw std::invalid_argument(
+              "side is for shells, and the faces are of solids, on which a pressure acts from outside; take "
+              "the "
+              "key away");
+        const auto push = [&](bool turned) {
+          return pressure_load(surface, mesh::cells_where(faces, sides, turned));
+        };
+        load.forces.topRows(surface.n_nodes()) = wanted.value * (push(true) - push(false));
+        say_push(wanted, sides, load.forces.colwise().sum(), out);
       } else if (wanted.type == LoadType::preload) {
         load.strain = preload_strain(wanted, out.part);
         load.forces = initial_strain_forces(out.part, load.strain);

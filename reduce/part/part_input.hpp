@@ -74,6 +74,7 @@ struct LoadInput {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
   double value = 0.0;  ///< speed or pressure
   mesh::Rule faces = {};
+  std::optional<Eigen::Vector3d> side = {};  ///< pressure on shells: the pushed side looks this way
   std::array<std::string, 3> formulas = {};
   std::string strain = {};    ///< preload: a formula of x, y, z; `vector` its direction, zero: all
   std::string material = {};  ///< of its cells; empty: all

@@ -148,15 +148,17 @@ TEST(HostileInput, NumbersBeyondAllMeasureAreRefusedByKey) {
   expect_refused(run("flexura", {"reduce", part, "-o", out}),
                  "material.steel.young = 1e+300: is beyond all measure");
   for (const char* key :
-       {"material.steel.young=1e200", "material.steel.density=1e-200", "load.g.acceleration=[0,0,1e99]",
-        "modes.count=2000000000", "material.steel.poisson=0.7"})
+       {"material.steel.young=1e200", "material.steel.density=1e-200", "material.steel.density=1e-30",
+        "material.steel.density=1e30", "load.g.acceleration=[0,0,1e99]", "modes.count=2000000000",
+        "material.steel.poisson=0.7"})
     expect_refused(
         run("flexura", {"reduce", part, "-o", out, "--set", "material.steel.young=210e9", "--set", key}),
         "command line: ");
   expect_refused(run("flexura", {"reduce", beam, "-o", out}), "member.blade.elements = 1000000000: must be");
   for (const char* key :
-       {"mesh.size=1e-9", "mesh.frequency=1e30", "section.square.width=1e39", "section.square.width=1e-39",
-        "node.tip.position=[1e40,0,0]", "node.tip.position=[1e-30,0,0]", "mesh.elements=2000000000"})
+       {"mesh.size=1e-9", "mesh.frequency=1e30", "material.steel.density=1e-300", "section.square.width=1e39",
+        "section.square.width=1e-39", "node.tip.position=[1e40,0,0]", "node.tip.position=[1e-30,0,0]",
+        "mesh.elements=2000000000"})
     expect_refused(
         run("flexura", {"reduce", beam, "-o", out, "--set", "member.blade.elements=", "--set", key}), "");
   EXPECT_FALSE(std::filesystem::exists(out));

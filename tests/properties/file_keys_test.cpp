@@ -6,7 +6,10 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <array>
 
+#include "mbs/file/elements/element_types.hpp"
+#include "mbs/joints/joint.hpp"
 #include "mbs/solver/accuracy/options.hpp"
 #include "mbs/study/parts_on_demand.hpp"
 #include "mbs/superelement/file.hpp"
@@ -92,6 +95,53 @@ TEST_F(MechanismFileTest, ABodyOfMassAloneIsNotToldToDeform) {
                 HasSubstr("does not deform; give a superelement"));
   for (const char* const fidelity : {"rigid", "auto"})
     EXPECT_EQ(refusal(fmt::format("[body.b]\nmass = 1\nfidelity = \"{}\"\n", fidelity)), "accepted");
+}
+
+// Of every table: places and directions say in which frame they stand.
+void add_vectors(const input::TableSchema& table, std::string path, std::vector<std::string>& without) {
+  path += "." + table.name;
+  for (const input::Key& key : table.keys) {
+    if (key.kind == input::Kind::vector3 || key.kind == input::Kind::vectors3) {
+      const std::string doc = key.doc + table.doc;
+      const bool says =
+          std::ranges::any_of(std::array{"frame", " axes", "in F", "section's y"},
+                              [&](const char* word) { return doc.find(word) != std::string::npos; });
+      if (!says) without.push_back(path + "." + key.name + ": " + key.doc);
+    }
+    if (key.table) add_vectors(*key.table, path, without);
+  }
+  for (const auto& [name, variant] : table.variants) add_vectors(variant, path + "." + name, without);
+}
+
+TEST(MechanismSchema, PlacesAndDirectionsNameTheirFrame) {
+  std::vector<std::string> without;
+  add_vectors(mechanism_schema(solver_schema()), "", without);
+  EXPECT_THAT(without, ::testing::IsEmpty());
+}
+
+// What the reference says of components (mechanism_schema.cpp): in the axes of F.
+TEST(MechanismSchema, ComponentsOfJointsStandInTheAxesOfTheFirstMarker) {
+  int seen = 0;
+  for (const JointType& type : joint_types()) {
+    const auto joint = make_joint(type.name);
+    const auto speeds = joint->speeds();
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      Chance chance(seed);
+      std::vector<double> q(static_cast<std::size_t>(joint->n_p()));
+      joint->coordinates_of({chance.rotation(), chance.vector(1.0)}, q.data());
+      MotionMatrix S(6, joint->n_v());
+      joint->motion(q.data(), S);
+      for (std::size_t j = 0; j < speeds.size(); ++j)
+        for (int axis = 0; axis < 3; ++axis)
+          for (const auto& [name, row] : {std::pair("omega_", axis), std::pair("v_", 3 + axis)})
+            if (speeds[j].name == std::string(name) + "xyz"[axis]) {
+              EXPECT_LT((S.col(static_cast<Eigen::Index>(j)) - Vector6d::Unit(row)).norm(), 1e-12)
+                  << type.name << "." << speeds[j].name;
+              ++seen;
+            }
+    }
+  }
+  EXPECT_GE(seen, 20 * 20);
 }
 
 // Files that place one another by chance, down to leaf.toml with its body "rod".

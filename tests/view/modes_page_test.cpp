@@ -126,6 +126,9 @@ TEST(ModesPage, LoadsNothingFromOutside) {
   EXPECT_EQ(text.find("@import"), std::string::npos);
   EXPECT_FALSE(std::regex_search(text, std::regex("url\\(\\s*['\"]?https?:")));
   EXPECT_THAT(text, HasSubstr("default-src 'none'"));
+  // What it brings along keeps the notices that its licences want in every copy.
+  EXPECT_THAT(text, HasSubstr("Leon Sorokin (author of uPlot)"));
+  EXPECT_THAT(text, HasSubstr("The above copyright notice and this permission notice shall be included"));
 }
 
 TEST(ModesPage, HundredThousandTrianglesWithThirtyModesStayUnderFifteenMegabytes) {

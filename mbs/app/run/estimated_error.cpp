@@ -59,12 +59,6 @@ DeformationError deformation_error(const superelement::Superelement& se) {
   return out;
 }
 
-bool is_of_beams(const superelement::Superelement& se) {
-  const auto report = files::try_read_json(se.report_json);
-  return report.is_object() && report.contains("mesh") && report["mesh"].is_object() &&
-         report["mesh"].contains("members");
-}
-
 ErrorSource mesh_of(const std::string& name, const superelement::Superelement& se) {
   ErrorSource out{"mesh", name, {}, 0.0, "its reduction reports no estimate"};
   const DeformationError known = deformation_error(se);
@@ -80,7 +74,7 @@ ErrorSource mesh_of(const std::string& name, const superelement::Superelement& s
       out.note = "its elements were not judged, or do not resolve the part";
     else if (known.elements)
       out.note = "what its reduction left out was not judged";
-    else if (is_of_beams(se))
+    else if (superelement::is_of_beams(se))
       out.note = "parts of beams report no estimate; compare with more elements to a member";
   }
   return out;

@@ -192,11 +192,15 @@ double ValueReader::number(const toml::node& node, const Key& key, const Place& 
 void ValueReader::check_range(double value, const toml::node& node, const Key& key,
                               const Place& place) const {
   // Far beyond any machine on either side: sums and products of what is left stay within what a double holds,
-  // of lengths, which are raised to the sixth power, too.
-  const double largest = key.dimension == dim::length ? 1e12 : 1e40, least = 1.0 / largest;
+  // of lengths, which are raised to the sixth power, and of ratios of stiffness to mass, too.
+  const bool is_of_material = key.dimension == dim::density || key.dimension == dim::pressure;
+  const double largest = key.dimension == dim::length ? 1e12
+                         : is_of_material             ? 1e20
+                                                      : 1e40,
+               least = 1.0 / largest;
   if (std::isfinite(value) && std::abs(value) > largest && !place.is_default)
     refuse(place, &node, "is beyond all measure", fmt::format("the largest number taken is {}", largest));
-  if (key.lower == 0.0 && key.lower_open && value > 0.0 && value < least)
+  if (key.lower == 0.0 && (key.lower_open || is_of_material) && value > 0.0 && value < least)
     refuse(place, &node, "is beyond all measure", fmt::format("the least number taken is {}", least));
   const bool low = key.lower_open ? value <= key.lower : value < key.lower;
   const bool high = key.upper_open ? value >= key.upper : value > key.upper;

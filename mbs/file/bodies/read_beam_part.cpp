@@ -32,7 +32,8 @@ input::TableSchema beam_part_schema() {
       vector3("from", dim::length, "the root in the body's frame").or_default("[0, 0, 0]"),
       vector3("to", dim::length, "the tip (of a curved beam, where it would be were the beam straight)")
           .required(),
-      vector3("y_axis", dim::none, "direction of the section's y axis (its width)").or_default("[0, 1, 0]"),
+      vector3("y_axis", dim::none, "direction of the section's y axis (its width), in the body's frame")
+          .or_default("[0, 1, 0]"),
       integer("elements", "number of elements, or of springs between segments")
           .or_default("10")
           .at_least(1)

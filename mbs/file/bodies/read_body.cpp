@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Eigenvalues>
 #include <nlohmann/json.hpp>
 
 #include "mbs/base/math/rotation.hpp"
 #include "mbs/file/bodies/read_flexible_body.hpp"
 #include "mbs/file/fidelities.hpp"
+#include "mbs/mechanism/description/body_faults.hpp"
 
 namespace flexura::mbs {
 
@@ -75,30 +75,6 @@ std::string shapes_json(const Section& s) {
   return shapes.empty() ? "" : shapes.dump();
 }
 
-namespace {
-
-// Of a mass distribution no principal moment is negative and none exceeds the sum of the other two: with
-// I_1 = sum m (y^2 + z^2) and so on, I_1 + I_2 - I_3 = 2 sum m z^2.  Of a flat body that is zero, and moments
-// printed with three digits (each off by up to half a per cent) leave 1 % of I_3.
-void require_possible(const Section& s, const Matrix3d& I) {
-  const Vector3d moments = Eigen::SelfAdjointEigenSolver<Matrix3d>(I, Eigen::EigenvaluesOnly).eigenvalues();
-  const auto refuse = [&](const char* rule, const char* remedy) {
-    s.refuse("inertia",
-             fmt::format("has the principal moments {:.6g}, {:.6g}, {:.6g} kg m^2: {}", moments[0],
-                         moments[1], moments[2], rule),
-             remedy);
-  };
-  const double round_off = 1e-12 * moments.cwiseAbs().maxCoeff();
-  if (moments[0] < -round_off) refuse("none can be negative", "check the signs and units");
-  if (moments[0] + moments[1] < 0.99 * moments[2])
-    refuse(
-        "the two smaller ones together cannot be less than the largest, I1 + I2 >= I3",
-        "check the values (a flat body has I1 + I2 = I3, a thin rod [0, I, I]) and that they are about the "
-        "centre of mass");
-}
-
-}  // namespace
-
 void refuse_keys_of_others(const Section& s) {
   const bool has_superelement = s.has("superelement"), has_beam = s.has("beam");
   std::vector<std::string> given;
@@ -144,8 +120,9 @@ RigidInertia read_inertia(const Section& s) {
       I(1, 2) = I(2, 1) = x[4];
       I(2, 0) = I(0, 2) = x[5];
     }
-    require_possible(s, I);
   }
+  if (const auto fault = body_fault(mass, s.vector3("center"), I))
+    s.refuse(fault->key, fault->rule, fault->remedy);
   return RigidInertia::from_center(mass, s.vector3("center"), I);
 }
 

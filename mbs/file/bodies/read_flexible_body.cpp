@@ -11,6 +11,7 @@
 #include "mbs/file/bodies/read_section_points.hpp"
 #include "mbs/file/fidelities.hpp"
 #include "mbs/mechanism/acting_loads.hpp"
+#include "mbs/superelement/known_errors.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -111,7 +112,7 @@ std::vector<input::Key> flexible_body_keys() {
   TableSchema point;
   point.name = "stress_point";
   point.doc = "A place whose stresses and strains are stored: the nearest one with stress modes.";
-  point.keys = {vector3("position", dim::length, "in the undeformed body").required()};
+  point.keys = {vector3("position", dim::length, "in the body's frame, undeformed").required()};
   TableSchema surface_point = point;
   surface_point.name = "surface_point";
   surface_point.doc =
@@ -202,6 +203,10 @@ std::shared_ptr<const StressField> read_stress_field(
     const Section& s, const std::shared_ptr<const superelement::Superelement>& of, const ModalData& body,
     const std::vector<BodyNode>& nodes) {
   const superelement::Superelement& se = *of;
+  if (!se.stress && superelement::is_of_beams(se))
+    s.refuse(s.has("stress") ? "stress" : "stress_point",
+             "the superelement is of beams, which have section forces and no stress modes",
+             "store those by [" + s.path() + ".section_point.NAME], or take the key away");
   if (!se.stress || se.surface.vertices.rows() == 0)
     s.refuse(s.has("stress") ? "stress" : "stress_point", "the superelement has no stress modes",
              "reduce the part again with [recovery] stress = true");

@@ -71,7 +71,7 @@ MeasureType acceleration(const char* name, const char* doc) {
   type.keys = {text("from", "marker F that it is seen from; \"ground\" for the absolute one").required(),
                text("to", "marker M that it is taken of").required(),
                text("axes", "marker in whose axes the direction stands; without it F"),
-               vector3("direction", dim::none, "of the component").required()};
+               vector3("direction", dim::none, "of the component, in the axes that `axes` says").required()};
   type.gives = {{"", kind == AccelerationMeasure::Kind::linear ? "m/s^2" : "rad/s^2", ""}};
   type.read = [](const std::string& own, const Section& s,
                  const ReadContext& c) -> std::shared_ptr<const Measure> {
@@ -97,7 +97,7 @@ MeasureType load_cell() {
        choice("quantity", {"force", "torque"}, "which of the two").or_default("force"),
        text("at", "marker about whose origin the torque is taken; without it the joint's `to`"),
        text("axes", "marker in whose axes the direction stands; without it the joint's `from`"),
-       vector3("direction", dim::none, "of the component").required()},
+       vector3("direction", dim::none, "of the component, in the axes that `axes` says").required()},
       {{"", "N, of a torque N*m", ""}},
       [](const std::string& name, const Section& s, const ReadContext& c) -> std::shared_ptr<const Measure> {
         const int j = c.joint(s, "joint");

@@ -14,10 +14,11 @@ std::vector<Key> part_keys(const std::string& prefix, const std::string& does) {
   return {texts(prefix + "interfaces", "only the faces of these interfaces " + does),
           vectors3(prefix + "box", dim::length,
                    "only facets between these two opposite corners " + does +
-                       ", in the undeformed body; beside the other keys: what lies in all of them"),
+                       ", in the body's frame, undeformed; beside the other keys: what lies in all of them"),
           vector3(prefix + "facing", dim::none,
                   "only facets that look in this direction " + does +
-                      ", in the undeformed body: what lies beside an edge then has no part of what is at its "
+                      ", in the body's frame, undeformed: what lies beside an edge then has no part of what "
+                      "is at its "
                       "corners"),
           quantity(prefix + "facing_angle", dim::angle, "within this angle around it")
               .or_default("45 deg")

@@ -37,7 +37,8 @@ const Examples& constraint_examples() {
       {"point_on_path", on_rail("to = \"b.in\"\norientation = \"fixed\"")},
       {"orientation", ends},
       {"parallel", ends},
-      {"perpendicular", ends},
+      // The z axes of a.out and b.in keep their angle on the joint between them.
+      {"perpendicular", "from = \"ground.track\"\nto = \"b.in\""},
       {"distance", ends + "length = \"700 mm\""},
       {"coupler",
        "joints = [\"second.angle\", \"second.position\", \"third\"]\nfactors = [1, 2, 0.5]\noffset = "
