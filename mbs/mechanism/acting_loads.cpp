@@ -2,6 +2,7 @@
 #include "mbs/mechanism/acting_loads.hpp"
 
 #include <Eigen/QR>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <set>
 
@@ -117,24 +118,28 @@ MatrixXd held_by_joints(const superelement::Superelement& se, const BodyNodes& n
     for (const superelement::Interface& b : se.interfaces)
       size = std::max(size, (a.p_BoN_B - b.p_BoN_B).norm());
   if (!(size > 0.0)) size = 1.0;
-  MatrixXd held(se.n(), 0);
-  std::vector<Vector6d> basis;
+  MatrixXd held(se.n(), 0), basis(6, 0);
   for (const bool displacements : {true, false})
     for (const JointDescription& joint : d.joints) {
       const int marker = marker_on(d, joint, body);
       if (marker < 0 || d.markers[marker].node < 0) continue;
-      const MatrixXd all = marker_loads(nodes, d.markers[marker]);
-      for (const int k : locked_directions(*joint.joint)) {
-        if ((k >= 3) != displacements) continue;
-        Vector6d row = R.transpose() * all.col(k);
-        row.tail<3>() /= size;  // columns of R: translations, then rotations
-        row.normalize();
-        for (int pass = 0; pass < 2; ++pass)
-          for (const Vector6d& q : basis) row -= q.dot(row) * q;
-        if (row.norm() < 1e-3) continue;  // a frame must not hang on nearly parallel directions
-        basis.push_back(row.normalized());
+      std::vector<int> locked;
+      for (const int k : locked_directions(*joint.joint))
+        if ((k >= 3) == displacements) locked.push_back(k);
+      if (locked.empty()) continue;
+      const MatrixXd loads = marker_loads(nodes, d.markers[marker])(Eigen::all, locked);
+      MatrixXd rows = loads.transpose() * R;  // columns of R: translations, then rotations
+      if (displacements) rows.rightCols<3>() /= size;
+      for (int pass = 0; pass < 2; ++pass) rows -= (rows * basis * basis.transpose()).eval();
+      // What these hold that is not held yet, by principal directions: of two pins the line between them, whatever their axes.
+      const Eigen::JacobiSVD<MatrixXd> svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
+      for (Eigen::Index i = 0; i < svd.singularValues().size(); ++i) {
+        // A frame must not hang on nearly parallel directions.
+        if (svd.singularValues()(i) < 1e-3 || basis.cols() == 6) break;
+        basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
+        basis.rightCols<1>() = svd.matrixV().col(i);
         held.conservativeResize(Eigen::NoChange, held.cols() + 1);
-        held.rightCols<1>() = all.col(k);
+        held.rightCols<1>() = loads * svd.matrixU().col(i);
       }
     }
   return held;

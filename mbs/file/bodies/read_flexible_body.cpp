@@ -136,8 +136,10 @@ std::vector<input::Key> flexible_body_keys() {
           .at_least(0.0),
       choice("frame", {"mean_axis", "joint_fixed", "joints"},
              "the body's frame: without momentum of the deformation; fixed to the interface of the first "
-             "joint that leads to the body; or where its joints hold it (six of the directions that they "
-             "lock, displacements first: the line between two pins). Without it mean_axis, of a body with a "
+             "joint that leads to the body; or where its joints hold it (six independent ones of the "
+             "directions that "
+             "they lock, displacements first: the line between two pins). Without it mean_axis, of a body "
+             "with a "
              "rigid link (a marker's link) fixed to that, for a one-way body joint_fixed on a single joint "
              "and joints on several"),
       choice(
@@ -301,8 +303,9 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
   }
   const bool joint_fixed = frame == "joint_fixed";
   if (frame == "joints") {
-    if (s.has("boundary"))
-      s.refuse("boundary", "a frame held by the joints holds the eigenmodes too", "take this key away");
+    if (s.has("boundary") && s.text("boundary") != "joint")
+      s.refuse("boundary", "a frame held by the joints holds the eigenmodes too",
+               "write \"joint\", or take this key away");
     options.frame = options.held = held_by_joints(se, nodes, d, body);
     const bool is_held = options.held.cols() > 0;
     if (!is_held && s.has("frame"))
@@ -313,7 +316,9 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
           fmt::format("body \"{}\": its joints hold the frame and the eigenmodes in {} directions", name,
                       options.held.cols()));
   }
-  std::string boundary = s.has("boundary") ? s.text("boundary") : joint_fixed ? "joint" : "free";
+  std::string boundary = s.has("boundary") && frame != "joints" ? s.text("boundary")
+                         : joint_fixed                          ? "joint"
+                                                                : "free";
   if (joint_fixed || boundary == "joint") {
     const JointDescription* joint = frame_joint(d, body);
     const std::string key = joint_fixed ? "frame" : "boundary";

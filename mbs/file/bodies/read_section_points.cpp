@@ -22,7 +22,7 @@ input::TableSchema section_point_table() {
       "its interfaces counts: weight, inertia, load cases.";
   table.keys = {
       vector3("position", dim::length,
-              "in the undeformed body: the nearest place of all members, or of `member`"),
+              "in the body's frame, undeformed: the nearest place of all members, or of `member`"),
       text("member", "the member; it must be named where position is on several, as at a node"),
       quantity("along", dim::length, "instead of position: from the member's first node").at_least(0.0),
       quantity("share", dim::none,

@@ -44,7 +44,8 @@ std::optional<double> AskedDamping::of(const NaturalMode& mode) const {
     else if (part.omega2.dot(x.cwiseAbs2()) > kTakesPart * total)
       return {};
   }
-  return asked / total;
+  // What is no more than round-off of the shape is none.
+  return asked < 1e-12 * total ? 0.0 : asked / total;
 }
 
 }  // namespace flexura::mbs
