@@ -8,9 +8,9 @@
 #include <numbers>
 
 #include "reduce/library/reduce.hpp"
+#include "reduce/library/section_forces.hpp"
 #include "reduce/linalg/session/session.hpp"
 #include "reduce/superelement/report.hpp"
-#include "reduce/superelement/section_forces.hpp"
 #include "reduce/superelement/to_superelement.hpp"
 
 namespace flexura::reduce {

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "reduce/superelement/section_forces.hpp"
+#include "reduce/library/section_forces.hpp"
 
 #include <algorithm>
 #include <array>
