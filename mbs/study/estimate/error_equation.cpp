@@ -62,20 +62,19 @@ ErrorEquation::ErrorEquation(const mbs::Equations& eq, const mbs::State& start,
       t_begin_(start.t),
       t_end_(start.t) {
   const Index n = form_.size();
-  for (VectorXd* x : {&e_begin_, &e_end_, &y_, &yp_, &rhs_, &x_, &rates_, &e_[0], &e_[1], &e_[2], &r_end_,
-                      &error_.y, &at_end_.y})
+  for (VectorXd* x : {&e_begin_, &e_end_, &y_, &yp_, &rhs_, &x_, &rates_, &e_[0], &e_[1], &e_[2], &error_.y})
     x->setZero(n);
   for (VectorXd& d : d_) d.setZero(n);
+  d_middle_.setZero(n);
   for (VectorXd& r : R_) r.setZero(n);
   has_cheap_matrices_ = n_.n_v <= kCheap;
   holds_ = has_cheap_matrices_ ? kClose : kRough;
-  r_begin_ = r_end_;
   rhs_c_.setZero(n);
   x_c_.setZero(n);
   for (VectorXd* p : {&p_, &p_rate_, &dp_}) p->setZero(n_.n_p);
-  for (VectorXd* v : {&v_, &dv_, &error_.v_dot, &at_end_.v_dot}) v->setZero(n_.n_v);
+  for (VectorXd* v : {&v_, &dv_, &error_.v_dot}) v->setZero(n_.n_v);
   for (VectorXd* g : {&g_, &g_dot_, &zero_}) g->setZero(n_.n_lambda);
-  none_ = error_part_ = at_begin_ = error_;
+  none_ = error_part_ = error_;
   out_ = error_.y;
   tolerance_ = options.tolerance;
   reach_p_.resize(n_.n_p);
@@ -103,7 +102,6 @@ void ErrorEquation::restart(const mbs::State& s, const VectorXd& v_dot, int long
   span_ = 1;
   longest_span_ = static_cast<std::size_t>(std::max(1, longest_span));
   v_dot_end_ = v_dot;
-  has_end_ = false;
   path_.clear();
 }
 
@@ -177,8 +175,8 @@ void ErrorEquation::from_turns(VectorXd& e) {
 
 // In the middle of the span.
 void ErrorEquation::linearise(std::size_t steps) {
-  std::array<VectorXd*, 4> carried = {&e_begin_, &e_end_, &at_begin_.y, &r_begin_};
-  std::array<std::vector<VectorXd>, 4> turns;
+  std::array<VectorXd*, 2> carried = {&e_begin_, &e_end_};
+  std::array<std::vector<VectorXd>, 2> turns;
   for (std::size_t i = 0; i < carried.size(); ++i) {
     to_turns(*carried[i]);
     turns[i] = turns_;
@@ -203,16 +201,11 @@ void ErrorEquation::linearise(std::size_t steps) {
 void ErrorEquation::integrals(double h) {
   static const Eigen::Matrix3d to_radau = cubic(k_);
   static const Eigen::Matrix<double, 3, 4> from_rate = to_radau * moments_of_rate();
-  // As it was looked at at the end of the last span, with the derivatives of now.
-  d_[0] = r_begin_;
-  add_linear(at_begin_, d_[0]);
-  for (std::size_t k = 1; k < 4; ++k) {
+  // At the begin anew, too: where the run leaves its equations between its states, e' is not what it was at the end of the
+  // span before, and derivatives that have changed since would take the difference for a defect.
+  for (std::size_t k = 0; k < 4; ++k) {
     error_at(kNode[k], h, error_);
-    look(nodes_[k - 1].w, nodes_[k - 1].gaps, error_, d_[k]);
-    if (k == 3) {
-      r_end_ = d_[3];
-      at_end_ = error_;
-    }
+    look(nodes_[k].w, nodes_[k].gaps, error_, d_[k]);
     add_linear(error_, d_[k]);
   }
   const Index n_rates = n_.n_p + n_.n_v, n_rest = form_.size() - form_.at_a();
@@ -230,7 +223,7 @@ void ErrorEquation::integrals(double h) {
   Eigen::Matrix3Xd moments = Eigen::Matrix3Xd::Zero(3, n_.n_dyn);
   for (int k = 1; k < 4; ++k) {
     const double x = kNode[k], w = integral_of_basis(k, 1.0);
-    VectorXd R_c = nodes_[static_cast<std::size_t>(k - 1)].w.state.c - waiting_.front().begin.state.c;
+    VectorXd R_c = nodes_[static_cast<std::size_t>(k)].w.state.c - nodes_[0].w.state.c;
     for (int j = 0; j < 4; ++j)
       R_c -= h * integral_of_basis(j, x) * d_[static_cast<std::size_t>(j)].segment(form_.at_c(), n_.n_dyn);
     if (k == 3) moments.row(0) = R_c;
@@ -275,13 +268,12 @@ void ErrorEquation::carry(std::size_t steps) {
   if (is_lost_) return;
   const double h = path_.length();
   e_begin_ = e_end_;
-  r_begin_ = r_end_;
-  at_begin_ = at_end_;
   lay_nodes(steps);
+  has_middle_ = false;
+  is_one_step_ = steps == 1;
   for (;;) {
     const bool is_fresh = is_stale_;
     if (is_fresh) linearise(steps);
-    if (!has_end_) look_at_begin(h);
     // What the error becomes by itself.
     for (VectorXd& r : R_) r.setZero();
     for (VectorXd& e : e_) e = e_begin_;
@@ -306,21 +298,7 @@ void ErrorEquation::carry(std::size_t steps) {
     break;
   }
   ++spans_;
-  has_end_ = true;
   v_dot_end_ = waiting_[steps - 1].nodes[2].v_dot;
-}
-
-// The begin of a span that follows no other.
-void ErrorEquation::look_at_begin(double h) {
-  between_ = waiting_.front().begin;
-  between_.v_dot = v_dot_end_;
-  for (VectorXd& e : e_) e = e_begin_;
-  part_ = kFollowed / std::max(kFollowed, size_of(e_begin_));
-  error_at(0.0, h, at_begin_);
-  at_begin_.y.tail(form_.size() - form_.at_a()).setZero();
-  VectorXd at_begin;
-  gaps(between_, at_begin);
-  look(between_, at_begin, at_begin_, r_begin_);
 }
 
 void ErrorEquation::solve(double h) {
@@ -349,12 +327,40 @@ void ErrorEquation::solve(double h) {
   }
 }
 
+// What the solution leaves out at a share x of the span: the quartic int d dt less the cubic R that stands for it, and what
+// w itself lacks of the motion.  That is c x^3 (1 - x)^3 of positions, whose second derivative vanishes at Lobatto's points
+// and is -3/8 c / h^2 half way, d there less the cubic of the others; of speeds it is of order five, as what a step of order
+// five leaves at its end.  Of spans of several steps that is less than the tolerance.
+void ErrorEquation::add_within(double x, VectorXd& y) {
+  const double h = t_end_ - t_begin_;
+  if (is_one_step_ && !has_middle_) {
+    has_middle_ = true;
+    part_ = kFollowed / std::max({kFollowed, size_of(e_begin_), size_of(e_end_)});
+    error_at(0.5, h, error_);
+    look(middle_.w, middle_.gaps, error_, d_middle_);
+    add_linear(error_, d_middle_);
+    for (int k = 0; k < 4; ++k) d_middle_ -= mbs::lobatto::basis(k, 0.5) * d_[static_cast<std::size_t>(k)];
+  }
+  const double way = x * (1.0 - x);
+  rhs_.setZero();
+  auto R = rhs_.segment(form_.at_v(), n_.n_v);
+  if (is_one_step_) R = -8.0 * way * way * (1.0 - 2.0 * x) * h * d_middle_.segment(form_.at_v(), n_.n_v);
+  for (int k = 0; k < 4; ++k)
+    R += h * integral_of_basis(k, x) * d_[static_cast<std::size_t>(k)].segment(form_.at_v(), n_.n_v);
+  for (int i = 0; i < 3; ++i)
+    R -= k_.basis(i, x) * R_[static_cast<std::size_t>(i)].segment(form_.at_v(), n_.n_v);
+  R *= k_.gamma / h_factors_;
+  real_.solve(rhs_, x_);
+  y.segment(form_.at_v(), n_.n_v) += x_.segment(form_.at_v(), n_.n_v);
+}
+
 void ErrorEquation::at(const mbs::State& s, VectorXd& e) {
   VectorXd y = e_end_;
   if (t_end_ > t_begin_) {
     const double x = std::clamp((s.t - t_begin_) / (t_end_ - t_begin_), 0.0, 1.0);
     y = e_begin_;
     for (int i = 0; i < 3; ++i) y += k_.basis(i, x) * (e_[i] - e_begin_);
+    if (x > 0.0 && x < 1.0) add_within(x, y);
   }
   e = y.head(n_rates_);
   if (path_.has_turns()) {

@@ -103,8 +103,8 @@ class ErrorEquation {
   double size_of_rates(const std::array<Eigen::VectorXd, 3>& e) const;
   double distance_of_rates(const std::array<Eigen::VectorXd, 3>& e) const;
   void improve(double h);
-  void look_at_begin(double h);
   void carry(std::size_t steps);
+  void add_within(double x, Eigen::VectorXd& y);
 
   const mbs::Equations& eq_;
   mbs::Sizes n_;
@@ -131,10 +131,7 @@ class ErrorEquation {
   SpanPath path_;
   std::vector<Eigen::VectorXd> turns_;
 
-  // What the equations say of w - e* at the end of the last span, and e* there.
-  Eigen::VectorXd v_dot_end_, r_end_, r_begin_;
-  Error at_end_, at_begin_;
-  bool has_end_ = false;
+  Eigen::VectorXd v_dot_end_;  // that the equations were met with at the end of the last span
 
   // The last span.
   double t_begin_ = 0.0, t_end_ = 0.0;
@@ -142,13 +139,16 @@ class ErrorEquation {
   std::array<Eigen::VectorXd, 3> e_, predicted_, R_;  // R: integrals of d, d itself of rows without rates
   bool is_lost_ = false;
 
-  std::array<Node, 3> nodes_;
+  std::array<Node, 4> nodes_;
+  Node middle_;
+  bool has_middle_ = false, is_one_step_ = false;  // d_middle_ is that of the last span; it is one step
   mbs::Instant between_, moved_;
   Error error_, none_, error_part_;
   double off_p_ = 0.0, off_v_ = 0.0;
   double part_ = 1.0, speed_ = 1e-300, tolerance_ = 0.0, length_ = 1.0;
   Eigen::VectorXd reach_p_, reach_v_, out_, theta_;
   std::array<Eigen::VectorXd, 4> d_;
+  Eigen::VectorXd d_middle_;
   Eigen::VectorXd y_, yp_, rhs_, x_, rates_, b_, c_rate_, g_, g_dot_, zero_, p_, p_rate_, v_, dp_, dv_;
   Eigen::VectorXcd rhs_c_, x_c_;
 };

@@ -77,19 +77,24 @@ void ErrorEquation::gaps(const Instant& at, VectorXd& out) {
     if (form_.is_holonomic(k)) out(n_.n_lambda + k) = g_(k);
 }
 
-// w at Lobatto's points behind the begin.
+// w at Lobatto's points, and half way.
 void ErrorEquation::lay_nodes(std::size_t steps) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    Node& node = nodes_[k];
-    if (k == 2)
-      node.w = waiting_[steps - 1].nodes[2];
+  nodes_[0].w = waiting_.front().begin;
+  nodes_[0].w.v_dot = v_dot_end_;
+  for (std::size_t k = 1; k < 4; ++k) {
+    Instant& w = nodes_[k].w;
+    if (k == 3)
+      w = waiting_[steps - 1].nodes[2];
     else if (steps == 1)
-      node.w = waiting_.front().nodes[k];
+      w = waiting_.front().nodes[k - 1];
     else
-      state_at(steps, path_.begin() + kNode[k + 1] * path_.length(), node.w);
-    if (k < 2) path_.at(kNode[k + 1], node.w.state, node.w.v_dot);
-    gaps(node.w, node.gaps);
+      state_at(steps, path_.begin() + kNode[k] * path_.length(), w);
+    if (k < 3) path_.at(kNode[k], w.state, w.v_dot);
   }
+  for (Node& node : nodes_) gaps(node.w, node.gaps);
+  state_at(steps, path_.begin() + 0.5 * path_.length(), middle_.w);
+  path_.at(0.5, middle_.w.state, middle_.w.v_dot);
+  gaps(middle_.w, middle_.gaps);
 }
 
 // F of w - e at `at` of w, in the order of the form; of the dynamic states their rates.

