@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -192,6 +193,12 @@ class Equations {
   }
   /// The row itself, then those that it followed from when it was left out.
   virtual std::vector<std::string> names_of_left_out(int /*i*/) const { return {}; }
+  /// The same equations for one run, which may choose among rows that follow from each other anew on its way; null where
+  /// there are none to choose from.
+  virtual std::unique_ptr<Equations> copy_for_rows() const { return nullptr; }
+  /// Keeps those that are most independent at s, as many as before.  False, with the old choice, where there are
+  /// other numbers of them there, or `accepts`, called with the new choice, says no.
+  virtual bool choose_rows(const State& /*s*/, const std::function<bool()>& /*accepts*/) { return false; }
 
   /// M (n_v x n_v), symmetric positive definite, dense.
   virtual void mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) const = 0;

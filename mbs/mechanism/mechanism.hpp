@@ -77,6 +77,8 @@ class Mechanism final : public Equations {
                             Scratch& scratch, VectorRef g, VectorRef g_dot, VectorRef g_ddot) const override;
   ConstraintSizes left_out_sizes(When when, ConstVectorRef p, Scratch& scratch) const override;
   std::vector<std::string> names_of_left_out(int i) const override;
+  std::unique_ptr<Equations> copy_for_rows() const override;
+  bool choose_rows(const State& s, const std::function<bool()>& accepts) override;
   void mass_matrix(ConstVectorRef p, Scratch& scratch, MatrixRef M) const override;
   bool factor_mass(ConstVectorRef p, Scratch& scratch) const override;
   void solve_mass(Scratch& scratch, VectorRef x) const override;

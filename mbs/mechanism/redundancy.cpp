@@ -152,23 +152,38 @@ Redundancy find_redundancy(const Equations& mechanism, When when, ConstVectorRef
     }
   }
 
-  // What the rows left out follow from.
-  MatrixXd G_kept(best.size(), n_v);
-  for (std::size_t i = 0; i < best.size(); ++i) G_kept.row(i) = best_G.row(best[i]);
+  return with_kept(best_G, std::move(best));
+}
+
+Redundancy with_kept(const MatrixXd& G, std::vector<int> kept) {
+  Redundancy out;
+  MatrixXd G_kept(kept.size(), G.cols());
+  for (std::size_t i = 0; i < kept.size(); ++i) G_kept.row(i) = G.row(kept[i]);
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> combine;
-  if (!best.empty()) combine.compute(G_kept.transpose());
-  for (int i = 0; i < n_rows; ++i) {
-    if (std::ranges::binary_search(best, i)) continue;
+  if (!kept.empty()) combine.compute(G_kept.transpose());
+  for (int i = 0; i < static_cast<int>(G.rows()); ++i) {
+    if (std::ranges::binary_search(kept, i)) continue;
     std::vector<int> from;
     VectorXd x;
-    if (!best.empty()) x = combine.solve(VectorXd(best_G.row(i).transpose()));
-    for (std::size_t k = 0; k < best.size(); ++k)
-      if (std::abs(x(k)) * G_kept.row(k).norm() > 1e-6 * best_G.row(i).norm()) from.push_back(best[k]);
+    if (!kept.empty()) x = combine.solve(VectorXd(G.row(i).transpose()));
+    for (std::size_t k = 0; k < kept.size(); ++k)
+      if (std::abs(x(k)) * G_kept.row(k).norm() > 1e-6 * G.row(i).norm()) from.push_back(kept[k]);
     out.left_out.push_back(i);
     out.follows_from.push_back(std::move(from));
   }
-  out.kept = std::move(best);
+  out.kept = std::move(kept);
   return out;
+}
+
+std::vector<int> most_independent(const MatrixXd& G, const std::vector<int>& candidates, int n) {
+  if (n > std::min<Eigen::Index>(static_cast<Eigen::Index>(candidates.size()), G.cols())) return {};
+  MatrixXd columns(G.cols(), candidates.size());
+  for (std::size_t i = 0; i < candidates.size(); ++i) columns.col(i) = G.row(candidates[i]).transpose();
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
+  std::vector<int> kept;
+  for (int i = 0; i < n; ++i) kept.push_back(candidates[qr.colsPermutation().indices()(i)]);
+  std::ranges::sort(kept);
+  return kept;
 }
 
 }  // namespace flexura::mbs

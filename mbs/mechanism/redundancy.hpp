@@ -21,4 +21,11 @@ Redundancy find_redundancy(const Equations& mechanism, When when, ConstVectorRef
                            const Eigen::VectorXd& scale, const std::vector<bool>& of_positions,
                            const std::vector<bool>& lasts);
 
+/// What the rows of G beside the kept ones follow from.
+Redundancy with_kept(const Eigen::MatrixXd& G, std::vector<int> kept);
+
+/// Those n among the candidates that hold most, one after the other: rows that come near to vanishing, which normalised pass for
+/// a direction, come last. `G` in units of its rows and of the mechanism. Empty where there are fewer.
+std::vector<int> most_independent(const Eigen::MatrixXd& G, const std::vector<int>& candidates, int n);
+
 }  // namespace flexura::mbs

@@ -97,7 +97,7 @@ ConstraintRows::ConstraintRows(const Topology& tree) : tree_(tree), closures_(tr
     row += constraint->n_rows();
   }
   first_row_.push_back(row);
-  for (int i = 0; i < row; ++i) kept_rows_.push_back(i);
+  keep_all();
 }
 
 void ConstraintRows::size(RowValues& rows) const {
@@ -108,10 +108,8 @@ void ConstraintRows::size(RowValues& rows) const {
 }
 
 void ConstraintRows::keep_all() {
-  kept_rows_.resize(n_all());
-  for (int i = 0; i < n_all(); ++i) kept_rows_[i] = i;
-  left_out_.clear();
-  follows_from_.clear();
+  choice_ = {};
+  for (int i = 0; i < n_all(); ++i) choice_.kept.push_back(i);
 }
 
 void ConstraintRows::list_kinds(Motion& motion, RowValues& rows, std::vector<bool>& of_positions,
@@ -131,13 +129,6 @@ void ConstraintRows::list_kinds(Motion& motion, RowValues& rows, std::vector<boo
           of_positions[row] && !follows && !constraint.reads_time(i) && rows.g(first_row_[k] + i) == 0.0;
     }
   }
-}
-
-void ConstraintRows::leave_out(std::vector<int> kept, std::vector<int> left_out,
-                               std::vector<std::vector<int>> follows_from) {
-  kept_rows_ = std::move(kept);
-  left_out_ = std::move(left_out);
-  follows_from_ = std::move(follows_from);
 }
 
 void ConstraintRows::own_contact(std::size_t constraint, Motion& motion, RowValues& rows) const {
@@ -169,7 +160,7 @@ void ConstraintRows::evaluate(const Evaluate& one, Motion& motion, RowValues& ro
     own_contact(k, motion, rows);
     one(*constraints_[k], rows.g.data() + first_row_[k]);
   }
-  for (std::size_t i = 0; i < kept_rows_.size(); ++i) out(i) = rows.g(kept_rows_[i]);
+  for (std::size_t i = 0; i < choice_.kept.size(); ++i) out(i) = rows.g(choice_.kept[i]);
 }
 
 void ConstraintRows::position(Motion& motion, RowValues& rows, VectorRef g) const {
@@ -190,15 +181,15 @@ double ConstraintRows::power(const double* lambda, Motion& motion, RowValues& ro
     constraints_[k]->rate(motion.kin, rows.g.data() + first_row_[k]);
   }
   double power = 0.0;
-  for (std::size_t i = 0; i < kept_rows_.size(); ++i) power += lambda[i] * rows.g(kept_rows_[i]);
+  for (std::size_t i = 0; i < choice_.kept.size(); ++i) power += lambda[i] * rows.g(choice_.kept[i]);
   return power;
 }
 
 void ConstraintRows::add_constraint_loads(const double* lambda, Which which, Motion& motion, RowValues& rows,
                                           Loads& loads) const {
-  if (kept_rows_.empty()) return;
+  if (choice_.kept.empty()) return;
   rows.x.setZero();
-  for (std::size_t i = 0; i < kept_rows_.size(); ++i) rows.x(kept_rows_[i]) = lambda[i];
+  for (std::size_t i = 0; i < choice_.kept.size(); ++i) rows.x(choice_.kept[i]) = lambda[i];
   for (std::size_t k = 0; k < constraints_.size(); ++k) {
     if (which != Which::all && constraints_[k]->has_derivatives() != (which == Which::with_derivatives))
       continue;
@@ -218,12 +209,12 @@ void ConstraintRows::left_out_constraints(bool to_acceleration, Motion& motion, 
                                           VectorRef g_dot, VectorRef g_ddot) const {
   const auto evaluate = [&](auto&& level, VectorRef out) {
     std::size_t i = 0;
-    for (std::size_t k = 0; k < constraints_.size() && i < left_out_.size(); ++k) {
-      if (left_out_[i] >= first_row_[k + 1]) continue;
+    for (std::size_t k = 0; k < constraints_.size() && i < choice_.left_out.size(); ++k) {
+      if (choice_.left_out[i] >= first_row_[k + 1]) continue;
       own_contact(k, motion, rows);
       level(*constraints_[k], rows.g.data() + first_row_[k]);
-      for (; i < left_out_.size() && left_out_[i] < first_row_[k + 1]; ++i)
-        out(static_cast<Eigen::Index>(i)) = rows.g(left_out_[i]);
+      for (; i < choice_.left_out.size() && choice_.left_out[i] < first_row_[k + 1]; ++i)
+        out(static_cast<Eigen::Index>(i)) = rows.g(choice_.left_out[i]);
     }
   };
   evaluate([&](const Constraint& c, double* out) { c.position(motion.kin, out); }, g);
@@ -253,7 +244,7 @@ ConstraintSizes ConstraintRows::sizes(const std::vector<int>& which, double leng
 }
 
 bool ConstraintRows::is_holonomic(int row) const {
-  const int full = kept_rows_[row];
+  const int full = choice_.kept[row];
   const std::size_t k = constraint_of_row(full);
   return constraints_[k]->is_holonomic(full - first_row_[k]);
 }
@@ -299,8 +290,8 @@ std::string ConstraintRows::name_of_row(int row) const {
 }
 
 std::vector<std::string> ConstraintRows::names_of_left_out(int i) const {
-  std::vector<std::string> names{name_of_row(left_out_[i])};
-  for (const int row : follows_from_[i]) names.push_back(name_of_row(row));
+  std::vector<std::string> names{name_of_row(choice_.left_out[i])};
+  for (const int row : choice_.follows_from[i]) names.push_back(name_of_row(row));
   return names;
 }
 

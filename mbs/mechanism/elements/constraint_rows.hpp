@@ -46,8 +46,15 @@ class ConstraintRows {
   const std::vector<std::shared_ptr<const Constraint>>& constraints() const { return constraints_; }
   int first_row(std::size_t constraint) const { return first_row_[constraint]; }
   int n_all() const { return first_row_.back(); }
-  const std::vector<int>& kept() const { return kept_rows_; }  ///< among all rows
-  const std::vector<int>& left_out() const { return left_out_; }
+  /// Of all rows those that are kept and those left out; of each of these the kept ones that it is a combination of.
+  struct Choice {
+    std::vector<int> kept, left_out;
+    std::vector<std::vector<int>> follows_from;
+  };
+  const Choice& choice() const { return choice_; }
+  void take_choice(Choice choice) { choice_ = std::move(choice); }
+  const std::vector<int>& kept() const { return choice_.kept; }
+  const std::vector<int>& left_out() const { return choice_.left_out; }
   const std::vector<int>& contacts() const { return contacts_; }  ///< constraints with a contact on a curve
   /// The joint as a loop's closure, and its index among the constraints; null where the joint is in the tree or locks
   /// nothing.
@@ -61,9 +68,6 @@ class ConstraintRows {
   /// does so now only).  After forward() on level position.
   void list_kinds(Motion& motion, RowValues& rows, std::vector<bool>& of_positions,
                   std::vector<bool>& lasts) const;
-  /// follows_from: for each row left out the kept ones that it is a combination of.
-  void leave_out(std::vector<int> kept, std::vector<int> left_out,
-                 std::vector<std::vector<int>> follows_from);
 
   /// The constraint's place for its contact and what it follows, into kin.own.
   void own_contact(std::size_t constraint, Motion& motion, RowValues& rows) const;
@@ -105,9 +109,7 @@ class ConstraintRows {
   std::vector<std::pair<const RelativeConstraint*, std::size_t>> closures_;  ///< of each joint
   std::vector<CoordinateRef> driven_;  ///< of each constraint; joint = -1 where it is no drive
   std::vector<int> first_row_;         ///< of each constraint among all rows, and their number at the end
-  std::vector<int> kept_rows_;         ///< all rows -> without redundant ones
-  std::vector<int> left_out_;          ///< these
-  std::vector<std::vector<int>> follows_from_;
+  Choice choice_;
   std::vector<int> contacts_;
 };
 

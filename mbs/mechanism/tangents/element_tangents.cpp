@@ -21,8 +21,6 @@ void ElementVariations::size(const Topology& tree, const ElementStates& states, 
   is_elastic.assign(n_v, false);
   for (int b : tree.order)
     for (int l = 0; l < tree.bodies[b].m; ++l) is_elastic[tree.bodies[b].i_v + l] = true;
-  kept.assign(rows_of.n_all(), -1);
-  for (std::size_t i = 0; i < rows_of.kept().size(); ++i) kept[rows_of.kept()[i]] = static_cast<int>(i);
   z_q.setZero(n_v + tree.n_dyn + n_algebraic, n_v);
   h_q.setZero(static_cast<Eigen::Index>(rows_of.kept().size()), n_v);
 }
@@ -40,6 +38,9 @@ ElementTangents::ElementTangents(const Topology& tree, const ElementStates& stat
       reaches_(tree, at.inertia) {
   e_.seen = {-2, -2};
   e_.signals.setZero();
+  // Runs may choose others on their way.
+  e_.kept.assign(static_cast<std::size_t>(rows_of.n_all()), -1);
+  for (std::size_t i = 0; i < rows_of.kept().size(); ++i) e_.kept[rows_of.kept()[i]] = static_cast<int>(i);
 }
 
 void ElementTangents::add(int row, int column, double value) {

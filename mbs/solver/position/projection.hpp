@@ -67,6 +67,8 @@ class LoopCloser {
   void accelerate(State& s, Eigen::VectorXd& v_dot);
   /// Of all states given to close() and accelerate() so far, but for those that old factors served well.
   const Nearness& nearness() const { return nearness_; }
+  /// Of rows that are others now.
+  void forget_factors() { has_factors_ = false; }
   /// Where the factorisation was made, so that a continued run repeats the unbroken one to the bit.
   void remember(History& history);
 

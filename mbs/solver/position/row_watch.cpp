@@ -90,6 +90,13 @@ void RowWatch::begin(const State& s) {
   open_ = kOpen + 10.0 * misfit_;
 }
 
+void RowWatch::change_rows(const State& s) {
+  const double misfit = misfit_, open = open_;
+  begin(s);
+  misfit_ = misfit;
+  open_ = open;
+}
+
 void RowWatch::begin(const State& s, const VectorXd& v_dot, bool at_dead_point) {
   begin(s);
   if (n_ > 0) require_agreement(s, v_dot, at_dead_point);

@@ -29,6 +29,8 @@ class RowWatch {
   void begin(const State& s, const Eigen::VectorXd& v_dot, bool at_dead_point = false);
   /// The same without judging it.
   void begin(const State& s);
+  /// Goes on with other rows kept: what they are allowed stays.
+  void change_rows(const State& s);
 
   /// How far the rows of a state are open in parts of what is allowed, a millionth of the mechanism's size
   /// (finer than parts are made, see assemble.cpp) beyond begin()'s, or of the speed with which it moves.

@@ -8,10 +8,11 @@
 
 namespace flexura::mbs {
 
-Bookkeeper::Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, Look look, Step step,
-                       bool beside)
+Bookkeeper::Bookkeeper(const Equations& eq, const Equations& given, const SolverOptions& options, Row row,
+                       Look look, Step step, bool beside)
     : book_(eq, options.tolerance),
       closer_(eq, options),
+      shown_(given, options),
       watch_(eq),
       allowed_(RowWatch::allowed(options.tolerance)),
       row_(std::move(row)),
@@ -34,11 +35,16 @@ void Bookkeeper::work_off(BookEntry& entry) {
       if (const RowWatch::Opening& open = close(entry.row.state); open.left_out > 1.0 || open.kept > allowed_)
         throw IntegrationError(watch_.complaint(entry.row.state.t, entry.row.state.t, allowed_));
       closer_.accelerate(entry.row.state, entry.row.v_dot);
-      if (row_) row_(entry.row.state, entry.row.v_dot, book_.at_row(entry.row.state, entry.row.v_dot));
+      if (row_) {
+        const EnergyAccount account = book_.at_row(entry.row.state, entry.row.v_dot);
+        show(entry.row.state, entry.row.v_dot);
+        row_(entry.row.state, entry.row.v_dot, account);
+      }
       break;
     case BookEntry::Kind::look:
       closer_.close(entry.row.state);
       closer_.accelerate(entry.row.state, entry.row.v_dot);
+      show(entry.row.state, entry.row.v_dot);
       look_(entry.row.state, entry.row.v_dot);
       break;
     case BookEntry::Kind::end:
@@ -49,7 +55,15 @@ void Bookkeeper::work_off(BookEntry& entry) {
 }
 
 void Bookkeeper::enter_step(BookEntry& entry) {
-  if (step_) step_(entry.begin, entry.nodes);
+  if (step_ && has_other_rows_) {
+    Instant begin = entry.begin;
+    std::array<Instant, 3> nodes = entry.nodes;
+    show(begin.state, begin.v_dot);
+    for (Instant& node : nodes) show(node.state, node.v_dot);
+    step_(begin, nodes);
+  } else if (step_) {
+    step_(entry.begin, entry.nodes);
+  }
   if (!book_.asks_multipliers(entry.nodes[2].state)) {
     book_.open_step(entry.t_end, entry.nodes);
     return;
@@ -65,6 +79,19 @@ void Bookkeeper::enter_step(BookEntry& entry) {
     closer_.accelerate(between_.state, between_.v_dot);
     return between_;
   });
+}
+
+void Bookkeeper::change_rows(const State& s) {
+  has_other_rows_ = true;
+  closer_.forget_factors();
+  watch_.change_rows(s);
+}
+
+void Bookkeeper::show(State& s, const Eigen::VectorXd& v_dot) {
+  if (!has_other_rows_) return;
+  // Accelerations are the same, and those of `eq` are better where the rows of `given` come near to depending on each other.
+  Eigen::VectorXd same = v_dot;
+  shown_.accelerate(s, same);
 }
 
 const RowWatch::Opening& Bookkeeper::close(State& s) {

@@ -35,8 +35,10 @@ class Bookkeeper {
   };
 
   /// `row`, `look` and `step` may be empty.  With `beside` entries are made by a second thread, in their order, which calls
-  /// them; the numbers are the same to the bit.
-  Bookkeeper(const Equations& eq, const SolverOptions& options, Row row, Look look, Step step, bool beside);
+  /// them; the numbers are the same to the bit.  `given` are the equations of those who are called: multipliers are
+  /// those of its rows, also where `eq` keeps others (change_rows()).
+  Bookkeeper(const Equations& eq, const Equations& given, const SolverOptions& options, Row row, Look look,
+             Step step, bool beside);
 
   /// The state from which the run goes: what its loops are open by is how little their parts fit.
   void begin(const State& s) { watch_.begin(s); }
@@ -54,6 +56,10 @@ class Bookkeeper {
   const Peaks& peaks() const { return peaks_; }
   const RowWatch& watch() const { return watch_; }
   void note(const LoopCloser::Drift& left);
+  /// After drain(): `eq` keeps other rows from s on.
+  void change_rows(const State& s);
+  /// Takes multipliers of a state of `eq` to the rows that `given` keeps.
+  void show(State& s, const Eigen::VectorXd& v_dot);
   /// Closes the loops of s, notes what is left open, of rows left out as redundant, too, and returns it.
   const RowWatch::Opening& close(State& s);
 
@@ -62,8 +68,9 @@ class Bookkeeper {
   void enter_step(BookEntry& entry);
 
   EnergyBook book_;
-  LoopCloser closer_;
+  LoopCloser closer_, shown_;
   RowWatch watch_;
+  bool has_other_rows_ = false;
   double allowed_;  // see RowWatch::Opening
   Row row_;
   Look look_;

@@ -14,6 +14,15 @@
 
 namespace flexura::mbs {
 
+namespace {
+
+/// Where something is wrong any choice of rows that is better serves.
+constexpr double kTroubleGain = 1.5;
+/// Above, a look at the rows takes longer than a step; they are chosen anew where something is wrong.
+constexpr int kMostCoordinates = 100;
+
+}  // namespace
+
 void Runner::take_switches(const std::vector<int>& roots) {
   switches_.take(roots, result_.state, result_.events);
   start_anew();
@@ -37,7 +46,9 @@ void Runner::start_integrator() {
   has_history_ = false;
   if (!callbacks_.restart) return;
   books_.drain();
-  callbacks_.restart(result_.state, result_.v_dot, kind_of(options_));
+  State shown = result_.state;
+  books_.show(shown, result_.v_dot);
+  callbacks_.restart(shown, result_.v_dot, kind_of(options_));
 }
 
 // What is due at this very time is passed before the next step.
@@ -87,10 +98,14 @@ void Runner::pass_event() {
 bool Runner::step_once() {
   look_ahead();
   if (result_.state.t >= options_.end_time) return false;
+  // Steps grow short where rows are this near to depending on each other, and what they leave open grows like 1 / sigma^2.
+  constexpr double kNear = 0.03, kGain = 3.0;
+  if (own_ && n_.n_v <= kMostCoordinates) choose_rows_anew(kNear, kGain);
   StepEnd end;
   try {
     end = integrator_->step(stop_.t);
   } catch (const IntegrationError& reason) {
+    if (choose_rows_anew(1.0, kTroubleGain)) return true;
     if (!options_.method_is_open) return cross_singularity(reason);
     try {
       return cross_singularity(reason);
@@ -163,7 +178,8 @@ void Runner::leave_short_steps() {
 bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
   if (contradictions_.watches() && contradictions_.contradicts(end.t_end, integrator)) {
     bool goes_on = true;
-    if (&integrator == integrator_.get() && pass_rank_loss(goes_on)) return goes_on;
+    if (&integrator == integrator_.get() && (choose_rows_anew(1.0, kTroubleGain) || pass_rank_loss(goes_on)))
+      return goes_on;
     stop_at_contradiction(end, integrator);
     return false;
   }
@@ -260,6 +276,7 @@ RunResult Runner::run() {
     throw;
   }
   remember();
+  books_.show(result_.state, result_.v_dot);
   result_.counts = counts();
   result_.method = options_.method;
   if (result_.method_changes.empty()) result_.method_hint = method_watch_.hint(options_.method);

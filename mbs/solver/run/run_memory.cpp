@@ -69,6 +69,7 @@ void Runner::resume(const Continuation& from) {
   result_.state = s;
   result_.v_dot = from.v_dot;
   History history(opened(from.history));
+  remember_rows(history);
   books_.closer().remember(history);
   remember_own(history);
   integrator_->remember(history);
@@ -102,6 +103,17 @@ StepCounts Runner::counts() const {
   return c;
 }
 
+// Before all that holds multipliers.
+void Runner::remember_rows(History& history) {
+  if (!own_) return;
+  history(chosen_at_);
+  if (!history.reads() || chosen_at_.p.size() == 0) return;
+  require_sizes(chosen_at_, n_);
+  own_->choose_rows(chosen_at_, [] { return true; });
+  contradictions_.change_rows(result_.state);
+  books_.change_rows(result_.state);
+}
+
 // What the run itself remembers beside its integrator.
 void Runner::remember_own(History& history) {
   method_watch_.remember(history);
@@ -114,6 +126,7 @@ void Runner::hand_out_memory() {
   books_.drain();
   RunMemory m;
   History history;
+  remember_rows(history);
   books_.closer().remember(history);
   remember_own(history);
   integrator_->remember(history);
@@ -136,6 +149,7 @@ void Runner::remember() {
   books_.drain();
   Continuation& c = result_.continuation;
   History history;
+  remember_rows(history);
   books_.closer().remember(history);
   remember_own(history);
   if (options_.end_time > options_.start_time) integrator_->remember(history);

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -18,6 +19,9 @@ namespace flexura::mbs {
 namespace {
 
 constexpr int kMostCrossings = 1000;
+constexpr double kClosesThere = 1e-10;
+/// Of the run: a tight tolerance creeps into the singular position for so long that no long step is left to go by.
+constexpr double kLeastLeap = 1e-5;
 constexpr std::size_t kMostChanges = 20;
 
 // The velocity that changes most, in its usual size.
@@ -30,6 +34,22 @@ std::string fastest(const Equations& eq, const Eigen::VectorXd& v_dot) {
       which = i;
     }
   return which < 0 ? "a state of an element" : "\"" + eq.name_of_velocity(which) + "\"";
+}
+
+// What the weakest of the kept rows holds beside the others, in parts of the strongest, each measured by its size: a row that
+// vanishes for an instant is as bad as one that depends on others.
+double hold_of_rows(const Equations& eq, const State& s, Equations::Scratch& scratch) {
+  const Sizes n = eq.sizes();
+  if (n.n_lambda == 0) return 1.0;
+  if (n.n_lambda > n.n_v) return 0.0;
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n.n_lambda, n.n_v);
+  eq.constraint_matrix(s, s.p, scratch, G);
+  const Eigen::VectorXd size = eq.constraint_sizes(s, s.p, scratch).size.cwiseMax(1e-300);
+  for (int i = 0; i < n.n_v; ++i) G.col(i) *= eq.velocity_scale(i);
+  G = (size.cwiseInverse().asDiagonal() * G).eval();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(G.transpose());
+  const auto R = qr.matrixR().diagonal().cwiseAbs();
+  return R(0) > 0.0 ? R(n.n_lambda - 1) / R(0) : 0.0;
 }
 
 }  // namespace
@@ -98,9 +118,9 @@ void Runner::change_method(const std::string& method, const std::string& why) {
 
 bool Runner::cross_singularity(const IntegrationError& reason) {
   // Near a dead point, where constraints lose rank for an instant, round-off of g is amplified by 1 / sigma^2
-  // and an implicit method cannot converge to a tight tolerance however short its step.  Accelerations are
-  // finite there: a few explicit steps lead across.
-  if (!kind_of(options_).is_implicit || n_.n_lambda == 0 ||
+  // and no method with an error control gets near to it at a tight tolerance however short its step.  Accelerations are
+  // finite there: a few explicit steps of fixed size lead across.
+  if (!kind_of(options_).integrates || n_.n_lambda == 0 ||
       result_.counts.singular_crossings >= kMostCrossings)
     throw reason;
   bool goes_on = true;
@@ -150,6 +170,37 @@ bool Runner::pass_rank_loss(bool& goes_on) {
   }
 }
 
+// Rows that follow from others do so wherever these are independent. Where they come near to depending on each other (bar and
+// crank of a Scott-Russell linkage in one line), rows that were left out hold what they no longer do: where the independence is
+// below `near`, and another choice is `gain` times as good. False where there is none.
+bool Runner::choose_rows_anew(double near, double gain) {
+  if (!own_ || !keeps_book_) return false;
+  State& s = result_.state;
+  const double now = hold_of_rows(eq_, s, *scratch_);
+  if (now > near) {
+    tried_at_ = 1.0;
+    return false;
+  }
+  // Beside a dead point of all rows there is nothing to choose, and a look at each step would be one too many.
+  if (near < 1.0 && now > 0.5 * tried_at_) return false;
+  books_.drain();
+  const auto is_better = [&] { return hold_of_rows(eq_, s, *scratch_) > gain * now; };
+  if (!own_->choose_rows(s, is_better)) {
+    tried_at_ = now;
+    return false;
+  }
+  chosen_at_ = s;
+  tried_at_ = 1.0;
+  contradictions_.change_rows(s);
+  books_.change_rows(s);
+  books_.close(s);
+  before_.counts = counts();
+  counts_at_once_ = {};
+  integrator_ = make_integrator(eq_, options_);
+  start_anew();
+  return true;
+}
+
 // A few explicit steps; false where not even one of them came beyond the present time.
 bool Runner::leap(const Instant& from, bool& goes_on) {
   SolverOptions explicit_options = options_;
@@ -157,8 +208,11 @@ bool Runner::leap(const Instant& from, bool& goes_on) {
   explicit_options.method_is_open = false;
   // Steps that the implicit method took at order five or below are easy for this one; error control would
   // creep into the singular position instead of over it.
-  explicit_options.fixed_step = std::max(0.5 * long_steps_.longest(), 1.5 * (result_.state.t - from.state.t));
+  explicit_options.fixed_step = std::max({0.5 * long_steps_.longest(), 1.5 * (result_.state.t - from.state.t),
+                                          kLeastLeap * (options_.end_time - options_.start_time)});
   explicit_options.max_step = 0.0;
+  // Loops are not closed to the last digits there.
+  explicit_options.tolerance = std::max(options_.tolerance, kClosesThere);
   hopper_ = make_integrator(eq_, explicit_options);
   State s = from.state;
   Eigen::VectorXd v_dot = from.v_dot;

@@ -30,25 +30,27 @@ class Runner {
  public:
   Runner(const Equations& eq, const State& start, const Eigen::VectorXd& v_dot, const SolverOptions& options,
          const RunCallbacks& callbacks, const Remembering& remembering = {})
-      : eq_(eq),
+      : given_(eq),
+        own_(eq.copy_for_rows()),
+        eq_(own_ ? *own_ : eq),
         n_(eq.sizes()),
         options_(options),
         callbacks_(callbacks),
         remembering_(remembering),
-        scratch_(eq.make_scratch()),
-        integrator_(make_integrator(eq, options)),
-        method_watch_(eq, options),
+        scratch_(eq_.make_scratch()),
+        integrator_(make_integrator(eq_, options)),
+        method_watch_(eq_, options),
         pace_watch_(options),
-        leaps_(eq, options),
+        leaps_(eq_, options),
         is_watched_(kind_of(options).integrates),
-        accelerations_(eq),
+        accelerations_(eq_),
         keeps_book_(kind_of(options).is_motion),
-        contradictions_(eq, options, keeps_book_),
-        switches_(eq, *scratch_, options),
-        books_(eq, options, callbacks.row, callbacks.look, callbacks.step,
+        contradictions_(eq_, options, keeps_book_),
+        switches_(eq_, *scratch_, options),
+        books_(eq_, given_, options, callbacks.row, callbacks.look, callbacks.step,
                callbacks.rows_beside && keeps_book_),
-        rows_(eq, options, callbacks, books_),
-        times_(eq, options),
+        rows_(eq_, options, callbacks, books_),
+        times_(eq_, options),
         // Minutes of restarts, and of steps; a pulse-width modulation of 20 kHz has 400,000 edges in ten seconds.
         events_("jumps or bends", 5e5, options.end_time),
         bounds_("turns", 1e8, options.end_time) {
@@ -80,6 +82,8 @@ class Runner {
   bool leap(const Instant& from, bool& goes_on);
   bool leap_across(double least_way, bool& goes_on);
   bool pass_rank_loss(bool& goes_on);
+  bool choose_rows_anew(double near, double gain);
+  void remember_rows(History& history);
   bool start_again(State& s, Eigen::VectorXd& v_dot);
   void watch_method();
   void refuse_creeping() const;
@@ -87,7 +91,11 @@ class Runner {
   void change_method(const std::string& method, const std::string& why);
   void remember_own(History& history);
 
-  const Equations& eq_;
+  const Equations& given_;          // what was asked for
+  std::unique_ptr<Equations> own_;  // the same with rows that this run chooses; may be null
+  const Equations& eq_;             // one of them: that of all steps
+  State chosen_at_;                 // where own_'s rows were chosen; empty: as given
+  double tried_at_ = 1.0;           // the independence of rows at which others were no better
   Sizes n_;
   SolverOptions options_;
   const RunCallbacks& callbacks_;

@@ -17,6 +17,10 @@ class ContradictionWatch {
   ContradictionWatch(const Equations& eq, const SolverOptions& options, bool is_motion);
 
   void begin(const State& s) { rows_.begin(s); }
+  void change_rows(const State& s) {
+    rows_.change_rows(s);
+    closer_.forget_factors();
+  }
   bool watches() const { return rows_.watches(); }
   /// At a time within the integrator's last step.  What Newton's method left of the kept rows is not theirs.
   bool contradicts(double t, Integrator& integrator);
