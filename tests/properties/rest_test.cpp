@@ -133,6 +133,31 @@ TEST(Rest, SubsystemsStartAsByThemselves) {
   }
 }
 
+// Speeds that a coupler forbids are changed by the smallest impulse, v - M^-1 G^T (G M^-1 G^T)^-1 G v, whatever unit its factors
+// are in.
+TEST(Rest, CouplersOfAnyScaleHoldTheirSpeeds) {
+  const test::Folder folder;
+  for (int seed = 0; seed < 200; ++seed) {
+    Chance chance(static_cast<std::uint64_t>(seed) + 1);
+    const double scale = std::pow(10.0, chance.between(-18.0, 6.0));
+    const double a[] = {chance.either_sign(0.3, 3.0), chance.either_sign(0.3, 3.0)};
+    const double I[] = {chance.between(0.1, 3.0), chance.between(0.1, 3.0)};
+    const double v[] = {chance.either_sign(0.5, 5.0), chance.either_sign(0.5, 5.0)};
+    std::string text = fmt::format(
+        "gravity = [0,0,0]\n[constraint.c]\ntype = \"coupler\"\njoints = [\"j0\", \"j1\"]\n"
+        "factors = [{}, {}]\n",
+        a[0] * scale, a[1] * scale);
+    for (int i = 0; i < 2; ++i)
+      text += fmt::format(
+          "[body.b{0}]\nmass = 1\ninertia = [2, 2, {1}]\n[joint.j{0}]\ntype = \"revolute\"\n"
+          "from = \"ground\"\nto = \"b{0}\"\nspeed = {2}\n",
+          i, I[i], v[i]);
+    const mbs::PreparedMechanism p = mbs::prepare(folder.write("coupler.toml", text));
+    const double impulse = (a[0] * v[0] + a[1] * v[1]) / (a[0] * a[0] / I[0] + a[1] * a[1] / I[1]);
+    for (int i = 0; i < 2; ++i) EXPECT_NEAR(p.state.v(i), v[i] - a[i] * impulse / I[i], 1e-9) << seed << text;
+  }
+}
+
 // Samples in a row begin with what the one before has begun with.
 TEST(Rest, SamplesOfSamplesBeginWithTheirValue) {
   const test::Folder folder;

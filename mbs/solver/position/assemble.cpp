@@ -256,10 +256,10 @@ void assemble_velocities(const Equations& eq, State& s, const AssembleOptions& o
     // What velocities of this size may leave by round-off of a matrix with condition 1e6 or better; of a row that only
     // deformations move, which stay at rest, those of the rows beside it.
     const double beside = g_t.cwiseQuotient(sizes.size).lpNorm<Eigen::Infinity>();
+    // Of mechanisms at rest 1e-12, in units of the row: factors of 1e-13 make speeds of 1 that small.
     const Eigen::VectorXd allowed =
-        1e-9 * (G.cwiseAbs() * (start.cwiseAbs() + s.v.cwiseAbs()) + g_t.cwiseAbs() + beside * sizes.size)
-                   .array() +
-        1e-12;
+        1e-9 * (G.cwiseAbs() * (start.cwiseAbs() + s.v.cwiseAbs()) + g_t.cwiseAbs() + beside * sizes.size) +
+        1e-12 * sizes.size.cwiseMin(1.0);
     // Where kept velocities leave only coordinates that the rows do not see (but for round-off of G) these would
     // have to run without bound.
     constexpr double kRunaway = 1e8;
