@@ -69,6 +69,23 @@ TEST(ViewCommand, WritesThePageBesideTheResultsAndPrintsASummary) {
   EXPECT_THAT(summary, HasSubstr("0.75 .. 1.25"));
   EXPECT_THAT(summary, HasSubstr("warning: rigid stopped early: end of the test's patience"));
 
+  // A film needs a browser; whether it can be made is said before anything is computed.
+  const std::string film = scratch("engine.mp4").string();
+  for (const auto& [words, says] : std::initializer_list<std::pair<std::string, const char*>>{
+           {"x.avi", "a film ends in .mp4, .webm, .gif"},
+           {film + " --film-size 20", "write width and height, 64 to 4096 pixels each"},
+           {film + " --film-fps 0", "frames per second are 1 to 60"},
+           {film + " --film-seconds 1000", "a film has 1 to 6000 frames"},
+           {film + " --film-view front", "it is one of +x, -x"},
+           {film + " --film-color red", "it is one of bodies, displacement, stress"},
+           {film, "none is in PATH (chromium, "}}) {
+    const auto [refused, refused_code] =
+        run_program("env -u FLEXURA_BROWSER PATH=/none " + program + " --film " + words);
+    EXPECT_NE(refused_code, 0);
+    EXPECT_THAT(refused, HasSubstr(says));
+    EXPECT_FALSE(fs::exists(film));
+  }
+
   const auto [wrong, wrong_code] = run_program(program + " --plot crank.sped");
   EXPECT_EQ(wrong_code, 2);
   EXPECT_THAT(wrong, HasSubstr("error: no run stored the quantity 'crank.sped'"));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <string>
 
 #include "mbs/superelement/file.hpp"
 #include "mbs/view/parts_page.hpp"
@@ -60,7 +61,7 @@ DrawnPart bar(const std::string& name, double length) {
     NumberedFace face{.number = f + 1, .text = "plane of the sample", .kind = "plane"};
     face.axis = Eigen::Vector3d::Unit(f / 2) * (f % 2 == 0 ? -1.0 : 1.0);
     face.point = 0.5 * (low + high) + 0.5 * (high - low).cwiseProduct(face.axis);
-    face.lines = "by = \"plane\"\npoint = [0.0, 0.0, 0.0]\n";
+    face.lines = "by = \"plane\"\npoint = [0.0, 0.0, " + std::to_string(f) + "]\n";
     part.faces.push_back(face);
   }
   return part;

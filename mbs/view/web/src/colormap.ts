@@ -42,10 +42,6 @@ export function scaleColor(name: ScaleName, part: number): [number, number, numb
   return [mix(0), mix(1), mix(2)];
 }
 
-export function scaleGradient(name: ScaleName): string {
-  return `linear-gradient(to top, ${stops[name].join(', ')})`;
-}
-
 export function scaleStops(name: ScaleName): string[] {
   return stops[name];
 }

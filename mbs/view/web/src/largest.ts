@@ -80,7 +80,7 @@ export class LargestValues {
     this.element.hidden = rows.length === 0;
     this.element.replaceChildren(h('header', {}, h('h2', {}, 'Largest values')),
       h('p', { class: 'hint' }, `Of all stored times and all vertices of the surface; displacement ${this.fromWhere()}. A click shows the place and the time.`),
-      h('div', { class: 'estimates' }, h('table', { class: 'quantities' }, h('thead', {}, h('tr', {}, ...['Of', 'Run', 'Body', 'Largest', 'Time', 'Place in the body']
+      h('div', {}, h('table', { class: 'quantities' }, h('thead', {}, h('tr', {}, ...['Of', 'Run', 'Body', 'Largest', 'Time', 'Place in the body']
         .map((c) => h('th', { scope: 'col', class: ['Largest', 'Time'].includes(c) ? 'number' : undefined }, c)))), h('tbody', {}, ...rows))));
   }
 }

@@ -1,6 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // The colour scale beside a picture: on the page, and painted into saved pictures.
-import { scaleGradient, scaleStops, type ScaleName } from './colormap';
+import { scaleStops, type ScaleName } from './colormap';
 import { cssColor, figure, h } from './ui';
 
 export interface LegendContent {
@@ -27,9 +27,14 @@ export class Legend {
     this.element.replaceChildren(
       h('figcaption', {}, content.title),
       h('div', { class: 'legend-body' },
-        h('div', { class: 'legend-bar', style: `background:${scaleGradient(content.scale)}` }),
+        h('div', { class: 'legend-bar', style: `--scale: ${scaleStops(content.scale).join(', ')}` }),
         h('ol', {}, ...this.ticks().map((t) => h('li', {}, t)))),
       h('small', {}, content.note));
+  }
+
+  /** What it hides of the picture's edge [px]; on small screens it stands below. */
+  get covered(): number {
+    return this.element.hidden || getComputedStyle(this.element).position === 'static' ? 0 : this.element.offsetWidth + 14;
   }
 
   private ticks(): string[] {

@@ -4,10 +4,10 @@ import * as THREE from 'three';
 import { scaleTexture } from './colormap';
 import { readF4 } from './data';
 import { DeformedBody } from './deformed_body';
+import { FilmDialog, filmText, type Filmed, type FilmWish } from './film_dialog';
 import { Legend } from './legend';
 import { ModeTable, type ModeRow } from './mode_table';
 import { macDialog } from './mac';
-import { record } from './record';
 import { Stage, viewNames, type ViewName } from './stage';
 import { Surface, type SurfaceHeader } from './surface';
 import { cssColor, download, figure, h, iconButton, icon, lengthText, lengthUnit, say, shortcuts, slider,
@@ -71,7 +71,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
   };
 
   const legend = new Legend();
-  stage.covered = () => legend.element.hidden ? 0 : legend.element.offsetWidth + 14;
+  stage.covered = () => legend.covered;
   const captions = [h('div', { class: 'caption' }), h('div', { class: 'caption right' })];
   const probe = h('div', { class: 'probe', hidden: true });
   const describe = (mode: number) => mode < 0 ? [h('strong', {}, 'Undeformed')] : [
@@ -222,20 +222,25 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
                                              title: `Look ${name === 'iso' ? 'from a corner' : 'from ' + name}`,
                                              onclick: () => view(name) }, name)));
   const fileName = header.title.replace(/[^\w.-]+/g, '_');
+  const nameOfMode = (m: number) => m < 0 ? header.title : `${header.title}: mode ${modes[m].number}, ${figure(modes[m].frequency, 5)} Hz`;
+  const fileOfMode = (m: number) => `${fileName}${m < 0 ? '' : `-mode${modes[m].number}`}`;
   async function savePng(): Promise<void> {
-    const m = state.mode;
-    const text = m < 0 ? header.title : `${header.title}: mode ${modes[m].number}, ${figure(modes[m].frequency, 5)} Hz`;
-    download(`${fileName}${m < 0 ? '' : `-mode${modes[m].number}`}.png`, await stage.png(text, legend));
+    download(`${fileOfMode(state.mode)}.png`, await stage.png(nameOfMode(state.mode), [legend]));
   }
-  async function saveFilm(): Promise<void> {
-    if (state.mode < 0) return;
-    setPlaying(true);
-    state.phase = 0;
-    stage.draw();
-    say('Recording two cycles');
-    const film = await record(stage.stream(30), 2 / state.speed);
-    download(`${fileName}-mode${modes[state.mode].number}.webm`, film);
-  }
+  const filmed: Filmed = {
+    stage, legends: [legend], title: () => nameOfMode(state.mode), name: () => fileOfMode(state.mode), seconds: () => 2 / state.speed, isPeriodic: true, look: (name) => view(name),
+    // Two cycles.
+    show: (part) => {
+      state.phase = 4 * Math.PI * part;
+      return `${((720 * part) % 360).toFixed(0)}°`;
+    },
+    hold: () => {
+      const { playing, phase } = state;
+      setPlaying(false);
+      return () => { state.phase = phase; setPlaying(playing); };
+    },
+  };
+  const film = new FilmDialog(filmed);
   const mac = macDialog(header.mac, modes, (i, j) => {
     void select(i).then(() => {
       compare.set(i !== j);
@@ -250,7 +255,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     h('div', { class: 'group' }, cut, cutAt.element, compare));
   const corner = h('div', { class: 'corner' }, look_at,
     iconButton('camera', 'Save a picture (P)', () => void savePng(), { id: 'png' }),
-    iconButton('film', 'Save an animation (M)', () => void saveFilm(), { id: 'film' }));
+    iconButton('film', 'Save a film (M)', () => void film.open(), { id: 'film' }));
   const step = (by: number) => {
     const next = table.neighbour(by);
     if (next >= 0) void select(next);
@@ -276,7 +281,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     { keys: ['n'], text: 'names of the interfaces', run: () => marks.click() },
     { keys: ['b'], text: 'two modes side by side', run: () => compare.click() },
     { keys: ['p'], text: 'save a picture', run: () => void savePng() },
-    { keys: ['m'], text: 'save an animation', run: () => void saveFilm() },
+    { keys: ['m'], text: 'save a film', run: () => void film.open() },
     { keys: ['u'], text: 'undeformed part', run: () => void select(-1) },
     { keys: ['/'], text: 'search the list', run: () => table.focusSearch() },
     { keys: ['t'], text: 'light or dark', run: () => theme.click() },
@@ -355,6 +360,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     camera: () => stage.matrix(),
     mark: (v: number) => { mark(v); stage.drawNow(); },
     pixel: (x: number, y: number) => stage.pixel(x, y), snapshot: () => stage.snapshot(),
+    film: (wish: FilmWish) => filmText(filmed, wish),
     struck: () => table.struck(), framesDrawn: () => stage.framesDrawn,
   };
 }

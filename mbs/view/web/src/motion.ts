@@ -2,6 +2,7 @@
 // The motion page: the mechanism moving, its runs over one another, plots of what was stored.
 import * as THREE from 'three';
 import { scaleTexture } from './colormap';
+import { FilmDialog, type Filmed } from './film_dialog';
 import { Interferences } from './interferences';
 import { LargestValues, most, type PlacedPeak } from './largest';
 import { Legend } from './legend';
@@ -10,15 +11,15 @@ import { Mechanism } from './mechanism';
 import { Run, type MotionHeader } from './motion_data';
 import { PressureView } from './pressure_view';
 import { PlotDeck } from './plots';
+import { QuantityTable } from './quantity_table';
 import { motionScripts } from './motion_scripts';
-import { record } from './record';
 import { SectionPanel } from './section_panel';
 import { Stage, upIn, viewNames, type ViewName } from './stage';
 import { summaryPanel, warningsOf } from './summary';
 import { Surface } from './surface';
 import { cssColor, download, factList, figure, h, icon, iconButton, forceText, lengthUnit, say, shortcuts, slider,
          stressUnit, themeButton,
-         toggle, topBar, unitText } from './ui';
+         toggle, topBar } from './ui';
 
 export type { MotionHeader } from './motion_data';
 
@@ -65,7 +66,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   });
 
   const stage = new Stage(`Motion of ${header.title}`, upIn(header.gravity));
-  stage.covered = () => legend.element.hidden ? 0 : legend.element.offsetWidth + 14;
+  stage.covered = () => legend.covered;
   const scale = scaleTexture('magnitude');
   // Glyphs are sized by the bodies at the start.
   const sizes = new THREE.Box3();
@@ -120,7 +121,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     deck.setTime(state.time);
     overlaps.setTime(state.main, state.time);
     sections.refresh(mechanisms[state.main]);
-    refreshQuantities();
+    quantities.refresh(state.time);
     stage.draw();
   }
   stage.onFrame = (dt) => {
@@ -236,22 +237,19 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     followed = null;
     setTime(state.time);
   } }, h('option', { value: '' }, 'Fixed camera'), ...moving.map((name) => h('option', { value: name }, `Follow ${name}`)));
-  const runButtons = runs.map((r, i) => {
-    const solid = h('button', { class: 'toggle run', type: 'button', 'aria-pressed': 'true', style: `--color: var(--run${i % 6})`,
-      title: 'Show or hide this run; double click draws it solid', onclick: () => {
-        state.visible[i] = !state.visible[i];
-        solid.setAttribute('aria-pressed', String(state.visible[i]));
-        refresh();
-        deck.redraw();
-      }, ondblclick: () => {
-        state.main = i;
-        state.visible[i] = true;
-        solid.setAttribute('aria-pressed', 'true');
-        refresh();
-        deck.redraw();
-      } }, h('i', {}), r.header.name);
-    return solid;
-  });
+  /** `main`: the run to be drawn solid, where it is seen; else the next one that is. */
+  function showRuns(main: number): void {
+    const seen = runs.map((_, k) => (main + k) % runs.length).find((k) => state.visible[k]);
+    if (seen !== undefined) state.main = seen;
+    runButtons.forEach((button, i) => button.setAttribute('aria-pressed', String(state.visible[i])));
+    refresh();
+    deck.redraw();
+  }
+  const runButtons = runs.map((r, i) => h('button', {
+    class: 'toggle run', type: 'button', 'aria-pressed': 'true', style: `--color: var(--run${i % 6})`,
+    title: 'Show or hide this run; double click draws it solid, R the next one',
+    onclick: () => { state.visible[i] = !state.visible[i]; showRuns(state.main); },
+    ondblclick: () => { state.visible[i] = true; showRuns(i); } }, h('i', {}), r.header.name));
   const modes = isModes ? modeList(header.runs, (i) => setMode(i)) : null;
   const setMode = (i: number) => {
     state.main = i;
@@ -268,16 +266,22 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     setTime(state.time);
   };
   const fileName = header.title.replace(/[^\w.-]+/g, '_');
-  const savePng = async () => download(`${fileName}.png`, await stage.png(`${header.title}, t = ${clock.textContent}`, legend,
-    (g, scale) => pressures.legend.paint(g, g.canvas.width, scale)));
-  const saveFilm = async () => {
-    setTime(t0);
-    setPlaying(true);
-    const seconds = Math.min(60, duration / state.speed);
-    say(`Recording ${seconds.toFixed(0)} s`);
-    const film = await record(stage.stream(30), seconds);
-    download(`${fileName}.webm`, film);
+  const savePng = async () => download(`${fileName}.png`, await stage.png(`${header.title}, ${instant()}`, [legend, pressures.legend]));
+  const instant = () => isModes ? `${runs[state.main].header.name}, ${clock.textContent}` : `t = ${clock.textContent}`;
+  const filmed: Filmed = {
+    stage, legends: [legend, pressures.legend], title: () => header.title, name: () => fileName,
+    seconds: () => (isModes ? 2 : 1) * Math.min(60, duration / state.speed), isPeriodic: isModes, look: (name) => view(name),
+    show: (part) => {
+      setTime(t0 + duration * (isModes ? (2 * part) % 1 : part));
+      return instant() + (runs.length > 1 && !isModes ? `   ${runs.filter((_, i) => state.visible[i]).map((r) => r.header.name).join(', ')}` : '');
+    },
+    hold: () => {
+      const { playing, time } = state;
+      setPlaying(false);
+      return () => { setTime(time); setPlaying(playing); };
+    },
   };
+  const film = new FilmDialog(filmed);
 
   // --- plots, quantities, summary ------------------------------------------------------------------------------------
   const deck = new PlotDeck(runs, (r) => state.visible[r.number], (t) => { setPlaying(false); setTime(t); });
@@ -296,47 +300,19 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const saveCsv = iconButton('table', 'Save the plotted curves as CSV', () =>
     void deck.csv().then((text) => download(`${fileName}.csv`, text, 'text/csv')), { id: 'csv' });
 
-  const unitOf = new Map(all.map((q) => [q.name, q.unit]));
-  const quantityCells = new Map<string, HTMLTableCellElement[]>();
-  const filterBox = h('input', { type: 'search', placeholder: 'Search quantities', 'aria-label': 'Search quantities',
-    oninput: () => {
-      const words = filterBox.value.toLowerCase();
-      for (const row of quantityRows) row.hidden = !row.textContent!.toLowerCase().includes(words);
-    } });
-  const quantityRows = all.map((q) => {
-    const cells = runs.map(() => h('td', { class: 'number' }));
-    quantityCells.set(q.name, cells);
-    return h('tr', { tabindex: 0, title: q.doc || 'Click to plot', onclick: () => { void deck.add([q.name]); tab('plots'); },
-                     onkeydown: (e: Event) => { if ((e as KeyboardEvent).key === 'Enter') { void deck.add([q.name]); tab('plots'); } } },
-             h('td', {}, q.name), ...cells, h('td', { class: 'unit' }, unitText(q.unit)));
-  });
-  let quantitiesOpen = false;
-  let least: Map<string, number>[] = []; // of each run, by unit: what is round-off
-  function refreshQuantities(): void {
-    if (!quantitiesOpen) return;
-    if (!least.length) least = runs.map((r) => new Map([...new Set(all.map((q) => q.unit))].map((unit) => [unit, 1e-14 * r.scaleOf(unit)])));
-    for (const [name, cells] of quantityCells) {
-      runs.forEach((r, i) => {
-        const v = r.valueAt(name, state.time);
-        cells[i].textContent = v === null ? '' : figure(Math.abs(v) < (least[i].get(unitOf.get(name)!) ?? 0) ? 0 : v, 5);
-      });
-    }
-  }
+  const quantities = new QuantityTable(runs, all, (name) => { void deck.add([name]); tab('plots'); });
   const largest = new LargestValues(isModes ? [] : mechanisms, fromWhere, (peak, field) => {
     setPlaying(false);
-    state.main = peak.run;
     state.visible[peak.run] = true;
     state.time = peak.time;
     setField(field);
+    showRuns(peak.run);
   });
   const pages: Record<string, HTMLElement> = {
     ...(modes ? { modes: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Modes' }, modes.element) } : {}),
     plots: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Plots' }, deck.element),
     quantities: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Quantities', hidden: true },
-      h('label', { class: 'search wide' }, icon('search'), filterBox),
-      h('table', { class: 'quantities' }, h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, 'Quantity'),
-        ...runs.map((r) => h('th', { scope: 'col', class: 'number' }, r.header.name)), h('th', { scope: 'col' }, 'Unit'))),
-        h('tbody', {}, ...quantityRows))),
+      ...quantities.elements),
     sections: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Section forces', hidden: true }, sections.element),
     summary: h('div', { class: 'tab-page', role: 'tabpanel', 'aria-label': 'Summary', hidden: true }, largest.element, overlaps.element, summaryPanel(runs)),
   };
@@ -354,10 +330,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     }
     sections.shown = name === 'sections';
     if (name === 'sections') sections.refresh(mechanisms[state.main]);
-    quantitiesOpen = name === 'quantities';
-    if (quantitiesOpen) {
-      void Promise.all(runs.flatMap((r) => all.map((q) => r.quantity(q.name)))).then(refreshQuantities);
-    }
+    quantities.show(name === 'quantities', state.time);
   }
   const warnings = runs.flatMap(warningsOf);
   // The worst of the runs, of the energy that went through the mechanism.
@@ -372,7 +345,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     h('div', { class: 'group' }, color, reference, glyphs, contacts, markers, forces, pressures.button, sections.choice, follow));
   const corner = h('div', { class: 'corner' }, views,
     iconButton('camera', 'Save a picture (P)', () => void savePng(), { id: 'png' }),
-    iconButton('film', 'Save an animation (M)', () => void saveFilm(), { id: 'film' }));
+    iconButton('film', 'Save a film (M)', () => void film.open(), { id: 'film' }));
   const step = (n: number) => { setPlaying(false); setTime(state.time + (n * duration) / 200); };
   const keys = shortcuts([
     { keys: [' '], text: 'play or stop', run: () => setPlaying(!state.playing) },
@@ -391,13 +364,14 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
     { keys: ['x'], text: 'surfaces that are touched, and paths', run: () => contacts.click() },
     { keys: ['k'], text: 'markers', run: () => markers.click() },
     { keys: ['f'], text: 'forces', run: () => forces.click() },
+    ...(runs.length > 1 && !isModes ? [{ keys: ['r'], text: 'next run solid', run: () => showRuns(state.main + 1) }] : []),
     ...pressures.keys,
     ...(sections.present ? [{ keys: ['s'], text: 'next diagram of section forces', run: () => {
       sections.choice.value = String(sections.drawn = sections.drawn < 5 ? sections.drawn + 1 : -1);
       refresh();
     } }] : []),
     { keys: ['p'], text: 'save a picture', run: () => void savePng() },
-    { keys: ['m'], text: 'save an animation', run: () => void saveFilm() },
+    { keys: ['m'], text: 'save a film', run: () => void film.open() },
     { keys: ['t'], text: 'light or dark', run: () => theme.click() },
     { keys: ['?'], text: 'this list', run: () => keys.click() },
   ]);
@@ -438,7 +412,7 @@ export async function motionPage(app: HTMLElement, header: MotionHeader): Promis
   const placed = (of: (m: Mechanism) => Omit<PlacedPeak, 'run'>[]) =>
     mechanisms.flatMap((m, run) => (isModes && run !== state.main ? [] : of(m).map((p) => ({ ...p, run }))));
   (window as unknown as { flexura: unknown }).flexura = motionScripts({
-    header, runs, mechanisms, stage, deck, sections, quantities: all.map((q) => q.name), start: t0, end: t1,
-    largest: () => ({ displacement: most(placed((m) => m.displacements)), stress: most(placed((m) => m.stresses)) }), state, view, setField, setReference, setMode, setPlaying, setTime, refresh,
+    header, runs, mechanisms, stage, deck, sections, filmed, quantities: all.map((q) => q.name), start: t0, end: t1,
+    largest: () => ({ displacement: most(placed((m) => m.displacements)), stress: most(placed((m) => m.stresses)) }), state, view, setField, setReference, setMode, setPlaying, setTime, showRuns, refresh,
   });
 }

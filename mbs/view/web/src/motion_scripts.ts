@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 // What the motion page offers to scripts and tests as window.flexura: PAGE.md.
 import * as THREE from 'three';
+import { filmText, type Filmed, type FilmWish } from './film_dialog';
 import type { PlacedPeak } from './largest';
 import type { Mechanism } from './mechanism';
 import { locate, type MotionHeader, type Run } from './motion_data';
@@ -16,6 +17,7 @@ export interface MotionParts {
   stage: Stage;
   deck: PlotDeck;
   sections: SectionPanel;
+  filmed: Filmed;
   quantities: string[];
   start: number;
   end: number;
@@ -27,6 +29,7 @@ export interface MotionParts {
   setMode: (run: number) => void;
   setPlaying: (on: boolean) => void;
   setTime: (t: number) => void;
+  showRuns: (main: number) => void;
   refresh: () => void;
 }
 
@@ -53,7 +56,7 @@ export function motionScripts(page: MotionParts): object {
       return surface.vonMises(v, weights);
     },
     setMagnify: (v: number) => { state.magnify = v; refresh(); }, get magnify() { return state.magnify; },
-    showRun: (name: string, on: boolean) => { state.visible[runNamed(name)] = on; refresh(); deck.redraw(); },
+    showRun: (name: string, on: boolean) => { state.visible[runNamed(name)] = on; page.showRuns(state.main); },
     view: page.view, get largestDeflection() { return page.largest().displacement?.value ?? 0; },
     setReference: page.setReference, setMode: page.setMode, get mode() { return page.state.main; },
     quantity: async (run: string, name: string) => [...((await runs[runNamed(run)].quantity(name)) ?? [])],
@@ -65,7 +68,7 @@ export function motionScripts(page: MotionParts): object {
       const r = runs[runNamed(run)];
       return spectrum(r.time, (await r.quantity(name)) ?? []);
     },
-    csv: () => deck.csv(),
+    csv: () => deck.csv(), film: (wish: FilmWish) => filmText(page.filmed, wish),
     force: (run: string, connection: string) => {
       const i = runNamed(run);
       const { at, part } = locate(runs[i].time, state.time);

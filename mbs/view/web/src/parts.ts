@@ -226,7 +226,7 @@ export async function partsPage(app: HTMLElement, header: PartsHeader): Promise<
 
   // --- controls ------------------------------------------------------------------------------------------------------
   const freedomFact = h('output', { id: 'freedom' });
-  const numbers = toggle('Numbers of faces', true, () => refresh(), { title: 'Of the chosen parts (N)', id: 'numbers' });
+  const numbers = toggle('Numbers of faces', true, () => refresh(), { title: isAssembly ? 'Of the chosen parts (N)' : 'On the faces (N)', id: 'numbers' });
   const glyphs = toggle('Joints', true, (on) => { scene.showJoints = on; }, { title: 'Joints (J)', id: 'glyphs' });
   const back = h('button', { class: 'plain', type: 'button', id: 'home', onclick: () => { motion.reset(); scene.place(motion.poses); refresh(); } },
                  icon('back'), 'As in the file');
@@ -236,7 +236,7 @@ export async function partsPage(app: HTMLElement, header: PartsHeader): Promise<
                                              title: `Look ${name === 'iso' ? 'from a corner' : 'from ' + name}`, onclick: () => view(name) }, name)));
   async function savePng(): Promise<void> {
     scene.number();
-    const blob = await stage.png(header.title, null, (g, scale) => {
+    const blob = await stage.png(header.title, [], (g, scale) => {
       g.font = `600 ${12 * scale}px system-ui, sans-serif`;
       g.textAlign = 'center';
       g.textBaseline = 'middle';

@@ -8,6 +8,7 @@ import { cssColor, figure, h, tick, unitText } from './ui';
 interface Curve { run: Run; name: string; unit: string; dash: number[]; width: number }
 
 const plotHeight = 172; // [px]
+const paperWidth = 690; // [px], of A4 between its margins
 const dashes = [[], [7, 4], [2, 3], [9, 3, 2, 3]];
 
 /** The same dashes for a line of the legend. */
@@ -47,13 +48,14 @@ function together(names: string[]): string {
 export class PlotCard {
   readonly element: HTMLElement;
   readonly curves: Curve[] = [];
+  private readonly units: string[];
   private plot: uPlot | null = null;
   private readonly place = h('div', { class: 'plot' });
   private readonly values = h('dl', { class: 'plot-values' });
   private readonly playhead = h('i', { class: 'playhead' });
   private spectral = false;
   private differing = false;
-  private largest = 0;
+  private largest = new Map<string, number>(); // by unit
   private time = 0;
   private cursor: number | null = null;
 
@@ -67,8 +69,8 @@ export class PlotCard {
         if (j >= 0) this.curves.push({ run, name, unit: run.header.quantities[j].unit, dash, width });
       });
     });
-    const units = [...new Set(this.curves.map((c) => c.unit))];
-    const unit = units.map((u) => `[${unitText(u) || '–'}]`).join(' ');
+    this.units = [...new Set(this.curves.map((c) => c.unit))];
+    const unit = this.units.map((u) => `[${unitText(u) || '–'}]`).join(' ');
     const doc = this.curves.map((c) => c.run.header.quantities[c.run.quantityNumber(c.name)].doc).find((d) => d) ?? '';
     const spectrumButton = h('button', { class: 'toggle small', type: 'button', 'aria-pressed': 'false',
       title: 'Amplitude spectrum', onclick: () => {
@@ -112,13 +114,21 @@ export class PlotCard {
       const s = spectrum(c.run.time, v);
       return [s.frequency, s.amplitude];
     }));
-    this.largest = 0;
-    if (!this.spectral) for (const t of tables) for (const v of t[1]) if (Math.abs(v ?? 0) > this.largest) this.largest = Math.abs(v!);
+    this.largest = new Map();
+    curves.forEach(({ unit }, i) => {
+      let size = this.largest.get(unit) ?? 0;
+      for (const v of tables[i][1]) if (Math.abs(v ?? 0) > size) size = Math.abs(v!);
+      this.largest.set(unit, size);
+    });
     // Six decades below the highest line; what is lower, or zero, has no place on the logarithmic axis.
-    let top = 0;
-    if (this.spectral) for (const t of tables) for (const v of t[1]) top = Math.max(top, v ?? 0);
-    const low = 10 ** (Math.ceil(Math.log10(top)) - 6);
-    if (top > 0) tables.forEach((t) => { t[1] = Array.from(t[1], (v) => (v !== null && v! >= low ? v : null)); });
+    const low = (unit: string) => 10 ** (Math.ceil(Math.log10(this.largest.get(unit)!)) - 6);
+    const isLogarithmic = (unit: string) => this.spectral && this.largest.get(unit)! > 0;
+    curves.forEach(({ unit }, i) => {
+      if (isLogarithmic(unit)) tables[i][1] = Array.from(tables[i][1], (v) => (v !== null && v! >= low(unit) ? v : null));
+    });
+    // A unit, an axis: the first at the left, the second at the right.
+    const units = [...new Set(curves.map((c) => c.unit))];
+    const scaleOf = (unit: string) => (unit === units[0] ? 'y' : 'y2');
 
     this.plot?.destroy();
     this.plot = null;
@@ -128,18 +138,21 @@ export class PlotCard {
     const axis = { stroke: cssColor('--muted'), grid: { stroke: cssColor('--line'), width: 1 },
                    ticks: { stroke: cssColor('--line'), width: 1, size: 4 }, font: '11px system-ui, sans-serif' };
     this.plot = new uPlot({
-      width: this.place.clientWidth || 400, height: plotHeight, padding: [8, 16, 0, 0],
+      width: this.width, height: plotHeight, padding: [8, units.length > 1 ? 0 : 16, 0, 0],
       legend: { show: false },
-      scales: { x: { time: false }, y: top > 0 ? { distr: 3 as const, range: [low, 1e6 * low] as [number, number] } : { range: roomy } },
+      scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [scaleOf(unit), isLogarithmic(unit)
+        ? { distr: 3 as const, range: [low(unit), 1e6 * low(unit)] as [number, number] } : { range: roomy }])) },
       axes: [
         { ...axis, size: 24, gap: 3, values: (_, v) => v.map((x) => tick(x)), label: this.spectral ? 'frequency [Hz]' : 'time [s]',
           labelSize: 15, labelGap: 0, labelFont: '11px system-ui, sans-serif' },
-        { ...axis, size: 62, gap: 4, values: (_, v) => v.map((x) => (x === null ? '' : tick(x))) },
+        ...units.map((unit, i) => ({ ...axis, scale: scaleOf(unit), side: (i === 0 ? 3 : 1) as uPlot.Axis.Side, size: 62, gap: 4,
+          ...(i > 0 ? { grid: { show: false } } : {}), values: (_: uPlot, v: (number | null)[]) => v.map((x) => (x === null ? '' : tick(x))),
+          ...(units.length > 1 ? { label: `[${unitText(unit) || '–'}]`, labelSize: 15, labelGap: 0, labelFont: '11px system-ui, sans-serif' } : {}) })),
       ],
       cursor: { sync: this.spectral ? undefined : { key: 'time', setSeries: false, scales: ['x', null] },
                 drag: { x: true, y: false }, points: { size: 6 } },
       series: [{}, ...curves.map((c) => ({
-        label: `${c.run.header.name}: ${c.name}`, stroke: cssColor(`--run${c.run.number % 6}`), width: c.width,
+        label: `${c.run.header.name}: ${c.name}`, scale: scaleOf(c.unit), stroke: cssColor(`--run${c.run.number % 6}`), width: c.width,
         dash: c.dash, spanGaps: true, points: { show: false },
       }))],
       hooks: {
@@ -165,8 +178,12 @@ export class PlotCard {
     this.setTime(this.time);
   }
 
+  private get width(): number {
+    return this.deck.isPrinting ? paperWidth : this.place.clientWidth || 400;
+  }
+
   resize(): void {
-    this.plot?.setSize({ width: this.place.clientWidth, height: plotHeight });
+    this.plot?.setSize({ width: this.width, height: plotHeight });
     this.setTime(this.time);
   }
 
@@ -193,7 +210,9 @@ export class PlotCard {
       const mark = h('i', { style: `--color: var(--run${c.run.number % 6}); --width: ${Math.max(2, c.width)}px;${dashed(c.dash)}` });
       const several = new Set(this.curves.map((other) => other.run)).size > 1;
       const label = this.names.length === 1 ? c.run.header.name : several ? `${c.run.header.name}: ${c.name}` : c.name;
-      return h('div', {}, h('dt', {}, mark, label), h('dd', {}, v === null ? '…' : figure(Math.abs(v) < roundOff * this.largest ? 0 : v, 5)));
+      const unit = this.units.length > 1 ? ` ${unitText(c.unit)}` : '';
+      const isNothing = v !== null && !this.spectral && Math.abs(v) < roundOff * (this.largest.get(c.unit) ?? 0);
+      return h('div', {}, h('dt', {}, mark, h('span', {}, label)), h('dd', {}, v === null ? '…' : `${figure(isNothing ? 0 : v, 5)}${unit}`));
     });
     this.values.replaceChildren(...rows);
   }
@@ -222,15 +241,26 @@ export class PlotCard {
 export class PlotDeck {
   readonly element = h('div', { class: 'deck' });
   readonly cards: PlotCard[] = [];
+  isPrinting = false;
   private zooming = false;
   private time = 0;
 
   constructor(private readonly runs: Run[], readonly shown: (run: Run) => boolean,
               readonly pick: (t: number) => void) {
     new ResizeObserver(() => this.cards.forEach((c) => c.resize())).observe(this.element);
+    // Before the theme changes, which draws all plots anew.
+    addEventListener('beforeprint', () => { this.isPrinting = true; }, true);
+    addEventListener('afterprint', () => { this.isPrinting = false; }, true);
   }
 
+  /** A plot has two axes: quantities in more units come into several. */
   async add(names: string[]): Promise<void> {
+    const unitOf = (name: string) => this.runs.flatMap((r) => r.header.quantities.filter((q) => q.name === name))[0]?.unit;
+    const units = [...new Set(names.map(unitOf))];
+    for (let i = 0; i < units.length; i += 2) await this.addCard(names.filter((n) => units.slice(i, i + 2).includes(unitOf(n))));
+  }
+
+  private async addCard(names: string[]): Promise<void> {
     const card = new PlotCard(names, this.runs, this);
     if (!card.curves.length) return;
     this.cards.push(card);

@@ -49,6 +49,7 @@ export class Stage {
   private readonly halfExtent = new THREE.Vector3(1, 1, 1);
   private radius = 1;
   private beside = 0;
+  private ratio: number | null = null; // pixels for each CSS pixel, while it is set
   private readonly upright = new THREE.Quaternion(); // from z to where up is
 
   constructor(label: string, up = new THREE.Vector3(0, 0, 1)) {
@@ -112,7 +113,7 @@ export class Stage {
   private resize(): void {
     const { clientWidth: w, clientHeight: hh } = this.element;
     if (!w || !hh) return;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setPixelRatio(this.ratio ?? Math.min(devicePixelRatio, 2));
     this.renderer.setSize(w, hh, false);
     this.drawNow();
   }
@@ -215,24 +216,56 @@ export class Stage {
       <text x="${(1.38 * a.x).toFixed(2)}" y="${(1.38 * a.y).toFixed(2)}">${a.name}</text></g>`).join('');
   }
 
-  /** The picture as PNG, with its caption and colour scale, on the theme's background. */
-  async png(caption: string, legend: Legend | null, paint: (g: CanvasRenderingContext2D, scale: number) => void = () => {}): Promise<Blob> {
+  /** The picture with lines of text (the first is its title) and colour scales, on the theme's background: opaque. */
+  paint(g: CanvasRenderingContext2D, lines: string[], legends: Legend[], scale: number): void {
     this.drawNow();
-    const source = this.canvas;
-    const copy = h('canvas', { width: source.width, height: source.height });
-    const g = copy.getContext('2d')!;
-    const scale = source.width / (source.clientWidth || source.width);
-    g.fillStyle = cssColor('--stage-bottom') || '#fff';
-    g.fillRect(0, 0, copy.width, copy.height);
-    g.drawImage(source, 0, 0);
+    const { width, height } = g.canvas;
+    const ground = g.createLinearGradient(0, 0, 0, height);
+    ground.addColorStop(0, cssColor('--stage-top') || '#fff');
+    ground.addColorStop(1, cssColor('--stage-bottom') || '#fff');
+    g.fillStyle = ground;
+    g.fillRect(0, 0, width, height);
+    g.drawImage(this.canvas, 0, 0, width, height);
     g.fillStyle = cssColor('--ink') || '#000';
-    g.font = `600 ${15 * scale}px system-ui, sans-serif`;
     g.textBaseline = 'top';
-    g.fillText(caption, 16 * scale, 14 * scale);
-    legend?.paint(g, copy.width, scale);
-    paint(g, scale);
+    lines.forEach((line, i) => {
+      // Beside the colour scale.
+      g.font = `${i === 0 ? '600 15' : '14'}px system-ui, sans-serif`;
+      const fits = Math.min(1, (width / scale - 150) / Math.max(1, g.measureText(line).width));
+      g.font = `${i === 0 ? 600 : 400} ${(i === 0 ? 15 : 14) * scale * fits}px system-ui, sans-serif`;
+      g.fillText(line, 16 * scale, (14 + 22 * i) * scale);
+    });
+    for (const legend of legends) legend.paint(g, width, scale);
+  }
+
+  /** The same as PNG, as large as on the screen. */
+  async png(caption: string, legends: Legend[], more: (g: CanvasRenderingContext2D, scale: number) => void = () => {}): Promise<Blob> {
+    const copy = h('canvas', { width: this.canvas.width, height: this.canvas.height });
+    const g = copy.getContext('2d')!;
+    const scale = this.canvas.width / (this.canvas.clientWidth || this.canvas.width);
+    this.paint(g, [caption], legends, scale);
+    more(g, scale);
     return new Promise((resolve, reject) =>
       copy.toBlob((blob) => (blob ? resolve(blob) : reject(new Error('the browser made no PNG'))), 'image/png'));
+  }
+
+  /** Draws in another size, out of sight, while `work` goes on; what was on the picture stays on it. */
+  async whileSized<T>(width: number, height: number, work: () => Promise<T>): Promise<T> {
+    const aspect = this.element.clientWidth / Math.max(1, this.element.clientHeight);
+    const style = this.element.style.cssText;
+    const back = Math.max(1, aspect / (width / height));
+    this.element.style.cssText = `position: fixed; inset: 0 auto auto 0; width: ${width}px; height: ${height}px; visibility: hidden`;
+    this.ratio = 1;
+    this.resize();
+    this.widen(back);
+    try {
+      return await work();
+    } finally {
+      this.element.style.cssText = style;
+      this.ratio = null;
+      this.widen(1 / back);
+      this.resize();
+    }
   }
 
   /** Projection times view, 16 numbers by columns, as the last picture was drawn. */
@@ -272,10 +305,6 @@ export class Stage {
   snapshot(): string {
     this.drawNow();
     return this.canvas.toDataURL('image/png');
-  }
-
-  stream(fps: number): MediaStream {
-    return this.canvas.captureStream(fps);
   }
 
   /** WebGL pictures vanish from paper: an image takes their place. */
