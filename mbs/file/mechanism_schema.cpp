@@ -17,12 +17,13 @@ namespace {
 using namespace input;
 
 /// Position and orientation of a frame.
-void add_pose(TableSchema& schema, const std::string& of) {
+void add_pose(TableSchema& schema, const std::string& of, const std::string& axes) {
   schema.keys.push_back(vector3("position", dim::length, "origin of " + of));
-  schema.keys.push_back(vector3("axis", dim::none, "direction of the z axis, of any length"));
-  schema.keys.push_back(vector3("x_axis", dim::none, "beside axis: direction that the x axis leans to"));
+  schema.keys.push_back(vector3("axis", dim::none, "direction of the z axis, of any length, in " + axes));
   schema.keys.push_back(
-      vector3("rotation", dim::angle, "instead of axis: rotation vector, axis times angle"));
+      vector3("x_axis", dim::none, "beside axis: direction that the x axis leans to, in " + axes));
+  schema.keys.push_back(
+      vector3("rotation", dim::angle, "instead of axis: rotation vector, axis times angle, from " + axes));
   schema.keys.push_back(quaternion("quaternion", "instead of axis: (w, x, y, z)"));
 }
 
@@ -30,7 +31,7 @@ TableSchema marker_schema() {
   TableSchema schema;
   schema.name = "marker";
   schema.doc = "A frame fixed in a body; joints and forces sit on markers.";
-  add_pose(schema, "the marker in the body's frame (undeformed)");
+  add_pose(schema, "the marker in the body's frame (undeformed)", "the body's axes");
   schema.keys.push_back(
       text("on",
            "interface of a flexible body that carries the marker along as it deforms; without a "
@@ -78,7 +79,10 @@ TableSchema body_schema() {
   };
   const std::vector<Key> flexible = flexible_body_keys();
   schema.keys.insert(schema.keys.begin() + 3, flexible.begin(), flexible.end());
-  add_pose(schema, "the body at the start, a guess for the assembly; for a free body exact");
+  add_pose(schema,
+           "the body at the start in the world (of a subsystem, its ground), a guess for the assembly; for a "
+           "free body exact; world axes",
+           "world axes");
   return schema;
 }
 
@@ -227,7 +231,7 @@ TableSchema subsystem_schema() {
       text("file", "the mechanism file, beside this one").required(),
       text("on", "marker of this mechanism that takes the place of its ground; without it the world"),
       formulas("parameters", "values for parameters of that file: formulas of the parameters of this one")};
-  add_pose(schema, "its ground in that marker's frame");
+  add_pose(schema, "its ground in that marker's frame", "that marker's axes");
   return schema;
 }
 

@@ -30,7 +30,8 @@ input::TableSchema beam_part_schema() {
       "without EA and GA; of a cable EA and mass_per_length are enough), or by its 6 x 6 matrices.";
   schema.keys = {
       vector3("from", dim::length, "the root in the body's frame").or_default("[0, 0, 0]"),
-      vector3("to", dim::length, "the tip (of a curved beam, where it would be were the beam straight)")
+      vector3("to", dim::length,
+              "the tip in the body's frame (of a curved beam, where it would be were the beam straight)")
           .required(),
       vector3("y_axis", dim::none, "direction of the section's y axis (its width), in the body's frame")
           .or_default("[0, 1, 0]"),

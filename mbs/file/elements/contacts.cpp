@@ -65,7 +65,7 @@ ForceType contact() {
              "point to point")
           .or_default("plane"),
       quantity("surface_radius", dim::length, "of the sphere or cylinder").above(0.0),
-      vectors3("points", dim::length, "of the curve, z = 0; a cubic spline runs through them"),
+      vectors3("points", dim::length, "of the curve in F, z = 0; a cubic spline runs through them"),
       flag("closed", "the curve runs from the last point back to the first").or_default("false"),
       flag("inside", "the sphere rolls inside the surface; of a curve: on its right side")
           .or_default("false")};

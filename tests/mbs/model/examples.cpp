@@ -35,9 +35,9 @@ const Examples& constraint_examples() {
       {"point_on_curve", ends + "points = [[1, 0, 0], [0.8, 0.9, 0.3], [-0.2, 1.4, 0.5], [-1.2, 0.3, 0.1], "
                                 "[-0.5, -1, -0.4], [0.6, -0.8, -0.2]]\nclosed = true"},
       {"point_on_path", on_rail("to = \"b.in\"\norientation = \"fixed\"")},
-      {"orientation", ends},
+      // On the joint between a.out and b.in some turns of these keep their angle to the other's z axis.
+      {"orientation", "from = \"ground.track\"\nto = \"b.in\""},
       {"parallel", ends},
-      // The z axes of a.out and b.in keep their angle on the joint between them.
       {"perpendicular", "from = \"ground.track\"\nto = \"b.in\""},
       {"distance", ends + "length = \"700 mm\""},
       {"coupler",
