@@ -39,6 +39,22 @@ std::string odd_material(const Material& material, bool of_deck) {
   return "";
 }
 
+std::string odd_size(const mesh::Mesh& mesh) {
+  constexpr double kLongest =
+      200.0;  // [m]: hardly a solid mesh of a machine's part, and 20 cm in millimetres
+  Eigen::RowVector3d low = Eigen::RowVector3d::Constant(HUGE_VAL), high = -low;
+  for (const mesh::CellBlock& block : mesh.solids)
+    for (const mesh::Index node : block.nodes.reshaped()) {
+      low = low.cwiseMin(mesh.points.row(node));
+      high = high.cwiseMax(mesh.points.row(node));
+    }
+  if (mesh.solids.empty() || !((high - low).maxCoeff() > kLongest)) return "";
+  return fmt::format(
+      "the part is {:.4g} m long, its mesh being taken in metres; is it in millimetres (unit = \"mm\" in "
+      "[geometry])? unit = \"m\" says that it is not",
+      (high - low).maxCoeff());
+}
+
 std::string odd_thickness(const mesh::Mesh& mesh) {
   Eigen::RowVector3d low = Eigen::RowVector3d::Constant(HUGE_VAL), high = -low;
   double thickest = 0.0;

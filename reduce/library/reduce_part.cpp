@@ -96,7 +96,9 @@ void add_hints(const PartInput& input, const Attempt& done, ReportData& data) {
         std::ranges::any_of(input.materials, [&](const Material& m) { return m.name == material.name; });
     if (const std::string odd = odd_material(material, !own); !odd.empty()) data.warnings.push_back(odd);
   }
-  for (const std::string& odd : {odd_thickness(part.mesh), odd_joint(part.mesh)})
+  const bool has_unit = input.format == PartFormat::cad || !input.cad.unit.empty();
+  for (const std::string& odd :
+       {has_unit ? std::string() : odd_size(part.mesh), odd_thickness(part.mesh), odd_joint(part.mesh)})
     if (!odd.empty()) data.warnings.push_back(odd);
 }
 

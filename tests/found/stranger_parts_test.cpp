@@ -137,6 +137,20 @@ TEST_F(Stranger, DecksInMillimetresWithoutAUnitAreToldOfIt) {
   EXPECT_THAT(told.outcome.err, Not(HasSubstr("no material")));
 }
 
+// With a material in SI beside it nothing but its size tells.
+TEST_F(Stranger, SolidsOfHundredsOfMetresAreAskedForTheirUnit) {
+  for (const double length : {50.0, 199.0, 201.0, 1000.0}) {
+    const Bricks deck{
+        .lx = length, .ly = length / 10, .lz = length / 10, .material = "2.1e11, 0.3\n*DENSITY\n7850\n"};
+    const bool is_odd = length > 200.0;
+    const Reduced plain = reduce_deck(deck.deck(), deck.ends(), {}, "deck.inp");
+    ASSERT_EQ(plain.outcome.exit_code, 0) << plain.outcome.err;
+    EXPECT_EQ(plain.outcome.err.find("unit = \"mm\"") != std::string::npos, is_odd) << length;
+    const Reduced told = reduce_deck(deck.deck(), "unit = \"m\"\n" + deck.ends(), {}, "deck.inp");
+    EXPECT_THAT(told.outcome.err, Not(HasSubstr("unit = \"mm\""))) << length;
+  }
+}
+
 // Grams per cubic metre: a density that aerogels have, with the stiffness of steel.
 TEST_F(Stranger, MaterialsInWhichSoundWouldBeFasterThanInAnyAreWarnedOf) {
   const Reduced r = reduce(bar(kEnds + "[mesh]\nsize = \"12 mm\"\n[modes]\ncount = 2\n"),
