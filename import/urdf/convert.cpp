@@ -142,15 +142,16 @@ class Converter {
         continue;
       }
       try {
+        // Before another one is read.
+        if (n_triangles_ > kMostTriangles)
+          throw std::invalid_argument(fmt::format(
+              "the pictures before it hold {} triangles, the most that are taken", kMostTriangles));
         const std::filesystem::path file = find_mesh(visual.mesh, robot_.file, choices_.packages);
         Surface mesh = is_step(file) && choices_.read_cad ? choices_.read_cad(file) : read_surface(file);
         for (Vector3d& v : mesh.vertices) v = v.cwiseProduct(visual.size);
         if (visual.size.prod() < 0.0)  // mirrored
           for (Eigen::Vector3i& t : mesh.triangles) std::swap(t[1], t[2]);
         n_triangles_ += mesh.triangles.size();
-        if (n_triangles_ > kMostTriangles)
-          throw std::invalid_argument(fmt::format(
-              "the pictures before it hold {} triangles, the most that are taken", kMostTriangles));
         body.surface.append(mesh, visual.X_LV);
       } catch (const std::bad_alloc&) {
         throw;

@@ -136,6 +136,13 @@ Element open_robot(const std::filesystem::path& file, tinyxml2::XMLDocument& doc
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   if (text.find('\0') != std::string::npos)
     throw std::invalid_argument(file.string() + ": is no URDF: it holds zero bytes, XML text is wanted");
+  // Attributes are compared with all before them while they are read.
+  constexpr std::ptrdiff_t kMostAttributes = 1000;
+  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at + 1))
+    if (const std::string_view tag(text.data() + at, std::min(text.find('>', at), text.size()) - at);
+        std::ranges::count(tag, '=') > kMostAttributes)
+      throw std::invalid_argument(fmt::format("{}: is no URDF: an element has more than {} attributes",
+                                              file.string(), kMostAttributes));
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
     const char* const why =
         document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED

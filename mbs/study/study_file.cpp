@@ -363,7 +363,10 @@ in::TableSchema study_schema() {
       in::choice("cost", {"wall", "cpu"},
                  "time that the front and the answers count: wall time, or on a busy machine the processor's")
           .or_default("wall"),
-      in::integer("repeats", "runs of each choice; the median time counts").or_default("3").at_least(1),
+      in::integer("repeats", "runs of each choice; the median time counts")
+          .or_default("3")
+          .at_least(1)
+          .at_most(1000),
       in::flag("estimates",
                "runs are timed with the estimates of their errors, as a user's run is; else without")
           .or_default("false"),

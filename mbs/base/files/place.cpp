@@ -73,6 +73,14 @@ fs::path place_of(const fs::path& output) {
   if (fs::exists(status) && !fs::is_regular_file(status))
     throw std::invalid_argument(fmt::format(
         "{}: is a device or a pipe, where no file can be put; name a file as the output", output.string()));
+  // A folder from elsewhere may hold a link under the name of an output: it must not lead to a file of another kind.
+  if (fs::is_symlink(fs::symlink_status(output, none)) && fs::exists(status) &&
+      at.extension() != output.extension() &&
+      folder != without_links(output.parent_path() / ".").parent_path())
+    throw std::invalid_argument(fmt::format(
+        "{}: is a link to {}, a file of another kind, which would be replaced; take the link away or name "
+        "another output",
+        output.string(), at.string()));
   // root may write everything; a file without any right to write is meant to stay as it is all the same.
   constexpr auto to_write = fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
   if (fs::exists(status) &&

@@ -89,6 +89,7 @@ Handle Group::open_dataset(const std::string& name) const {
   require_inside(handle_.get(), name, full);
   Handle dataset = owned(H5Dopen2(handle_.get(), name.c_str(), H5P_DEFAULT), H5Dclose, full);
   require_own_data(dataset.get(), full);
+  require_stored(dataset.get(), full);
   return dataset;
 }
 
@@ -136,6 +137,9 @@ void Group::read_raw(const std::string& name, const Shape& wanted, std::int64_t 
     throw BadFile(full +
                   ": has another number type than the format says; the file is damaged or not what it says");
   }
+  double bytes = static_cast<double>(H5Tget_size(type));
+  for (const std::size_t n : wanted) bytes *= static_cast<double>(n);
+  count_read(dataset.get(), bytes, full);
   check(H5Dread(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), full);
 }
 
@@ -167,7 +171,7 @@ void Group::read(const std::string& name, const Shape& wanted, std::int32_t* dat
 
 std::string Group::read_text(const std::string& name) const {
   const Shape found = shape(name);
-  constexpr std::size_t longest = std::size_t{1} << 30;
+  constexpr std::size_t longest = std::size_t{1} << 28;
   if (found.size() != 1 || found[0] > longest) throw BadFile(child(label_, name) + ": is not a text");
   std::string text(found[0], '\0');
   read_raw(name, found, H5T_NATIVE_UINT8, text.data());
@@ -189,8 +193,11 @@ void write_matrix(Group& group, const std::string& name, const Eigen::MatrixXd& 
 
 Eigen::MatrixXd read_matrix(const Group& group, const std::string& name, Eigen::Index n_rows,
                             Eigen::Index n_columns) {
+  const Shape wanted = {static_cast<std::size_t>(n_rows), static_cast<std::size_t>(n_columns)};
+  // Before there is room for it.
+  if (group.shape(name) != wanted) group.read(name, wanted, static_cast<double*>(nullptr));
   RowMajor rows(n_rows, n_columns);
-  group.read(name, {static_cast<std::size_t>(n_rows), static_cast<std::size_t>(n_columns)}, rows.data());
+  group.read(name, wanted, rows.data());
   return rows;
 }
 

@@ -1,7 +1,11 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/base/hdf5/library.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <map>
+#include <mutex>
 #include <new>
 #include <type_traits>
 
@@ -81,6 +85,43 @@ Shape shape_of(hid_t dataset, const std::string& label) {
   std::vector<hsize_t> extent(static_cast<std::size_t>(rank));
   if (rank > 0) check(H5Sget_simple_extent_dims(space.get(), extent.data(), nullptr), label);
   return Shape(extent.begin(), extent.end());
+}
+
+namespace {
+constexpr double kMostPacked = 1100.0;  // deflate: 1,032
+constexpr double kFree = 256.0 * (1 << 20);
+
+[[noreturn]] void refuse_size(const std::string& label, double bytes, double stored) {
+  throw BadFile(fmt::format(
+      "{}: stands for {:.3g} MB, of which the file holds {:.3g} MB; it is damaged or made to fill the memory",
+      label, 1e-6 * bytes, 1e-6 * stored));
+}
+}  // namespace
+
+void require_stored(hid_t dataset, const std::string& label) {
+  double bytes = 1.0;
+  for (const std::size_t n : shape_of(dataset, label)) bytes *= static_cast<double>(n);
+  const Handle type = owned(H5Dget_type(dataset), H5Tclose, label);
+  bytes *= static_cast<double>(H5Tget_size(type.get()));
+  // A writer at work may have made room for rows that are not there yet.
+  constexpr double kUnderWay = 16.0 * (1 << 20);
+  const double stored = static_cast<double>(H5Dget_storage_size(dataset));
+  if (bytes > kUnderWay + kMostPacked * stored) refuse_size(label, bytes, stored);
+}
+
+void count_read(hid_t dataset, double bytes, const std::string& label) {
+  static std::mutex mutex;
+  static std::map<unsigned long, double> read;  // by HDF5's number of the open file
+  H5O_info_t info;
+  check(H5Oget_info2(dataset, &info, H5O_INFO_BASIC), label);
+  const Handle file = owned(H5Iget_file_id(dataset), H5Fclose, label);
+  hsize_t size = 0;
+  check(H5Fget_filesize(file.get(), &size), label);
+  const std::lock_guard lock(mutex);
+  double& sum = read[info.fileno];
+  sum += bytes;
+  if (sum > kFree + kMostPacked * static_cast<double>(size))
+    refuse_size(label, sum, static_cast<double>(size));
 }
 
 const std::string& checked_name(const std::string& name, const std::string& label) {

@@ -36,6 +36,14 @@ std::string child(const std::string& label, const std::string& name);
 
 Shape shape_of(hid_t dataset, const std::string& label);
 
+/// Refuses a dataset that claims more than its file can hold: deflate packs 1,032 to 1 at most, and what our writers write is
+/// stored whole.  BadFile before anything is allocated.
+void require_stored(hid_t dataset, const std::string& label);
+
+/// Counts `bytes` that are to be read of the dataset's file, the same ones each time: BadFile where they are more than the file can
+/// stand for (links make many datasets of one).
+void count_read(hid_t dataset, double bytes, const std::string& label);
+
 /// `name` again, when it can stand in an HDF5 file; BadFile otherwise.
 const std::string& checked_name(const std::string& name, const std::string& label);
 

@@ -64,7 +64,9 @@ void Series::append(const double* rows, std::size_t n_rows) {
 std::vector<double> Series::read(std::size_t n_rows) const {
   const int rank = width_ > 0 ? 2 : 1;
   n_rows = std::min(n_rows, n_rows_);
-  std::vector<double> values(n_rows * std::max<std::size_t>(width_, 1));
+  const std::size_t n_values = n_rows * std::max<std::size_t>(width_, 1);
+  count_read(handle_.get(), 8.0 * static_cast<double>(n_values), label_);
+  std::vector<double> values(n_values);
   if (values.empty()) return values;
   const hsize_t start[2] = {0, 0}, count[2] = {n_rows, width_};
   const Handle file_space = owned(H5Dget_space(handle_.get()), H5Sclose, label_);

@@ -152,6 +152,11 @@ StateChange read_state(const std::filesystem::path& path, const Equations& eq, S
     throw std::invalid_argument(fmt::format("{}: there is no such file; check its path", path.string()));
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   Json in;
+  // The order of a state's names is kept, and each is looked for among those before it.
+  constexpr std::ptrdiff_t kMostNames = 50'000;
+  if (std::ranges::count(text, '"') > 2 * kMostNames)
+    throw std::invalid_argument(fmt::format(
+        "{}: holds more than {} names, the most that a state file may have", path.string(), kMostNames));
   try {
     in = files::read_json<Json>(text);
   } catch (const nlohmann::json::exception& e) {

@@ -3,12 +3,14 @@
 // unpack without end.  Each is refused within seconds, by the number that it exceeds.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hdf5.h>
 #include <zlib.h>
 
 #include <chrono>
 #include <filesystem>
 #include <functional>
 
+#include "mbs/base/hdf5/file.hpp"
 #include "tests/app/command.hpp"
 
 namespace flexura {
@@ -114,6 +116,89 @@ TEST(Bombs, OfPicturesAreCounted) {
   const Outcome outcome = test::run("flexura", {"import", robot.string(), "-o", folder / "r"});
   EXPECT_THAT(outcome.err, HasSubstr("at most 100000 are taken"));
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+}
+
+// One picture under thousands of links: it is not read again once the most triangles are reached.  Attributes without end, names of
+// states without end: each is compared with those before it.
+TEST(Bombs, OfRobotsAndStatesAreCounted) {
+  const Folder folder;
+  std::string attributes = "<robot name=\"r\"><link";
+  for (int k = 0; k < 100000; ++k) attributes += " a" + std::to_string(k) + "=\"1\"";
+  const fs::path robot = folder.write("r.urdf", attributes + " name=\"a\"/></robot>");
+  expect_refused({"import", robot.string(), "-o", folder / "r"}, "more than 1000 attributes");
+  std::string state = "{\"format\": \"flexura state\", \"version\": 1";
+  for (int k = 0; k < 500000; ++k) state += ", \"a" + std::to_string(k) + "\": 1";
+  const fs::path states = folder.write("s.json", state + "}");
+  const fs::path mechanism = folder.write("m.toml",
+                                          "[body.b]\nmass = 1\ninertia = [1, 1, 1]\n[joint.j]\ntype = "
+                                          "\"prismatic\"\nfrom = \"ground\"\nto = \"b\"\n");
+  expect_refused({"simulate", mechanism.string(), "-o", folder / "o.h5", "--from-state", states.string()},
+                 "more than 50000 names");
+}
+
+/// A data set of bytes in the file that says more than it stores, in place of what was there.
+void put_unstored(const fs::path& file, const char* name, hsize_t n) {
+  const hid_t h5 = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), space = H5Screate_simple(1, &n, nullptr),
+              how = H5Pcreate(H5P_DATASET_CREATE);
+  const hsize_t chunk = 1 << 20;
+  H5Pset_chunk(how, 1, &chunk);
+  H5Pset_deflate(how, 2);
+  if (H5Lexists(h5, name, H5P_DEFAULT) > 0) H5Ldelete(h5, name, H5P_DEFAULT);
+  const hid_t set = H5Dcreate2(h5, name, H5T_NATIVE_UINT8, space, H5P_DEFAULT, how, H5P_DEFAULT);
+  EXPECT_GE(set, 0);
+  H5Dclose(set), H5Pclose(how), H5Sclose(space), H5Fclose(h5);
+}
+
+/// Many names of one data set of zeros, which are stored.
+void put_often(const fs::path& file, int names, hsize_t n) {
+  const hid_t h5 = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), space = H5Screate_simple(1, &n, nullptr),
+              how = H5Pcreate(H5P_DATASET_CREATE);
+  const hsize_t chunk = 1 << 17;
+  H5Pset_chunk(how, 1, &chunk);
+  H5Pset_deflate(how, 9);
+  const std::vector<double> zeros(n, 0.0);
+  const hid_t set = H5Dcreate2(h5, "zeros_0", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, how, H5P_DEFAULT);
+  H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, zeros.data());
+  for (int k = 1; k < names; ++k)
+    H5Lcreate_hard(h5, "zeros_0", h5, ("zeros_" + std::to_string(k)).c_str(), H5P_DEFAULT, H5P_DEFAULT);
+  H5Dclose(set), H5Pclose(how), H5Sclose(space), H5Fclose(h5);
+}
+
+TEST(Bombs, OfHdf5AreHeldAgainstTheirFile) {
+  const Folder folder;
+  const fs::path part = folder.write(
+      "part.toml",
+      "[material.m]\nyoung = 1e11\npoisson = 0.3\ndensity = 1e3\n[section.s]\ntype = \"circle\"\ndiameter = "
+      "0.1\n"
+      "[node.a]\nposition = [0, 0, 0]\n[node.b]\nposition = [1, 0, 0]\n[member.m]\nnodes = [\"a\", \"b\"]\n"
+      "[interface.a]\n[interface.b]\n");
+  ASSERT_EQ(test::run("flexura", {"reduce", part.string(), "-q"}).exit_code, 0);
+  put_unstored(folder / "part.se.h5", "source", 200'000'000);
+  expect_refused({"check", folder / "part.se.h5"}, "source: stands for 200 MB, of which the file holds 0 MB");
+  // Stored, but under many names.
+  const fs::path often = folder / "often.h5";
+  H5Fclose(H5Fcreate(often.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+  put_often(often, 100, 1 << 20);
+  const hdf5::File file(often, hdf5::Mode::read);
+  std::vector<double> into(1 << 20);
+  const auto read_all = [&] {
+    for (int k = 0; k < 100; ++k)
+      file.root().read("zeros_" + std::to_string(k), {std::size_t{1} << 20}, into.data());
+  };
+  EXPECT_THROW(read_all(), hdf5::BadFile);
+}
+
+// A link under the name of an output leads to no file of another kind.
+TEST(Bombs, OutputsLeaveFilesOfOtherKindsBehindLinks) {
+  const Folder folder, mine;
+  const fs::path precious = mine.write(".bashrc", "precious");
+  const fs::path mechanism =
+      folder.write("m.toml",
+                   "[body.b]\nmass = 1\ninertia = [1, 1, 1]\n[joint.j]\ntype = "
+                   "\"prismatic\"\nfrom = \"ground\"\nto = \"b\"\n[solver]\nend_time = 0.01\n");
+  fs::create_symlink(precious, folder / "m.h5");
+  expect_refused({"simulate", mechanism.string(), "-q"}, "a file of another kind");
+  EXPECT_EQ(test::read_text(precious), "precious");
 }
 
 class PackedMatrices : public ::testing::Test {
