@@ -30,9 +30,10 @@ bool stands_still(const Equations& eq, const SolverOptions& options, const State
     if (!eq.is_holonomic(k)) return false;
   Eigen::VectorXd g_t(n.n_lambda);
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(n.n_v);
+  State then = s;  // rows that follow an input ask for the state
   for (int k = 0; k <= kGlances; ++k) {
-    const double t = options.start_time + (options.end_time - options.start_time) * k / kGlances;
-    eq.velocity_constraints(t, s.p, rest, scratch, g_t);
+    then.t = options.start_time + (options.end_time - options.start_time) * k / kGlances;
+    eq.velocity_constraints(then, s.p, rest, scratch, g_t);
     if (!g_t.isZero(0.0)) return false;
   }
   int rank = 0;
