@@ -52,7 +52,7 @@ struct State {
   std::vector<int> root;  ///< switch positions
   /// How far below 0 the functions of switches must fall to count (n_root), for those that graze; empty: nowhere.
   Eigen::VectorXd hysteresis;
-  Eigen::VectorXd u;  ///< added to the inputs, then to u' and u'' (n_inputs each), to linearise; empty: nothing
+  Eigen::VectorXd u;  ///< added to the inputs, u', u'' (n_inputs each), to linearise; empty: nothing
 };
 
 /// The time of constraint rows.  Rows that follow dynamic states (a joint driven by a control) also take c, a, the
