@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -20,6 +21,7 @@
 #include "mbs/solver/linear/whirl.hpp"
 #include "mbs/solver/statics/equilibrium.hpp"
 #include "mbs/solver/statics/late_loads.hpp"
+#include "mbs/study/estimate/full_model.hpp"
 
 /// eigen: natural modes of a mechanism, as a table and as pictures.
 namespace flexura::app {
@@ -285,6 +287,28 @@ std::optional<mbs::Stability> move_to_equilibrium_near(PreparedMechanism& p) {
   return {};
 }
 
+// A body that turns is stiffened by what holds it; terms for it that its superelement has and its fidelity leaves out are told of where
+// it turns by a hundredth of the lowest mode: 1e-4 of that mode.
+void note_unused_stiffening(PreparedMechanism& p, const std::vector<mbs::NaturalMode>& modes) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const mbs::NaturalMode& mode : modes)
+    if (const double rate = std::abs(mode.eigenvalue); rate > 0.0) lowest = std::min(lowest, rate);
+  std::vector<mbs::MarkerState> motions(p.mechanism->description().bodies.size());
+  p.mechanism->body_motions(p.state, p.v_dot, *p.mechanism->make_scratch(), motions);
+  for (std::size_t b = 0; b < motions.size(); ++b) {
+    const mbs::BodyDescription& body = p.mechanism->description().bodies[b];
+    if (!body.flexible || !body.flexible->acts_back() || body.flexible->has_geometric_stiffness() ||
+        body.superelement.empty() || !(motions[b].V.angular.norm() > 0.01 * lowest) ||
+        !study::has_stiffening_terms(body))
+      continue;
+    p.notes.push_back(
+        fmt::format("body \"{}\" turns at {} rad/s, and the geometric stiffening that its superelement has "
+                    "is not used: give it "
+                    "fidelity = \"modal-stiffened\"",
+                    body.name, number(motions[b].V.angular.norm(), 4)));
+  }
+}
+
 int print_modes(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   files::Claims claims;
   claims.add(arguments.pictures);
@@ -305,6 +329,7 @@ int print_modes(const Arguments& arguments, const terminal::Verbosity& verbosity
     if (modes.empty())
       p.notes.push_back("nothing of the mechanism moves or deforms: it has no natural modes");
     if (std::string lost = mbs::lost_in_round_off(modes); !lost.empty()) p.notes.push_back(std::move(lost));
+    note_unused_stiffening(p, modes);
     note_discretisation(p);
     const mbs::AskedDamping asked(*p.mechanism, p.state);
     std::vector<terminal::Column> columns = {
