@@ -102,14 +102,15 @@ TEST(FacesPage, WritesATableThatChoosesTheTickedFaceByItsGeometry) {
   const Folder folder;
   std::size_t tried = 0, by_surface = 0, in_line = 0, near = 0;
   for (const char* const name : {"steam_engine/conrod.step", "cad_parts/odri_hip_aa_support.step",
-                                 "cad_parts/odri_lower_leg_structure_fork.step"}) {
+                                 "cad_parts/odri_lower_leg_structure_fork.step",
+                                 "cad_parts/odri_motor_antigravity_4004_custom_shaft.step"}) {
     SCOPED_TRACE(name);
     const std::string step = std::string(FLEXURA_SOURCE_DIR "/cases/") + name;
     ASSERT_EQ(run("flexura", {"reduce", "--list-faces", step, "--html", folder / "faces.html"}).exit_code, 0);
     const PageReader page(read_text(folder / "faces.html"));
     // As coarse as the smallest faces allow: what is chosen does not depend on it.
-    const mesh::CadMesh part = mesh::mesh_cad(
-        {.path = step, .order = 1, .most_triangles = 3000, .elements_per_circle = 4, .worker = kWorker});
+    const mesh::CadMesh part =
+        mesh::mesh_cad({.path = step, .order = 1, .most_triangles = 6000, .worker = kWorker});
     for (const json& face : page.header["parts"][0]["faces"]) {
       const std::string lines = face["lines"];
       SCOPED_TRACE(lines);
