@@ -183,6 +183,7 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
     stop_at_contradiction(end, integrator);
     return false;
   }
+  if (keeps_book_ && stops_without_algebraic(end, integrator)) return false;
   // Rows that fall on an event show what was before it.
   const bool at_event = stop_.is_event && end.t_end == stop_.t && end.roots.empty();
   const double rows_until = at_event ? std::max(stop_.after, end.t_end) : end.t_end;

@@ -244,4 +244,37 @@ bool Runner::leap(const Instant& from, bool& goes_on) {
   return came_on;
 }
 
+// Errors of algebraic states do not steer steps, so an integrator may come past where their equations lose their solution:
+// the run ends there, and rows until then are kept.
+bool Runner::stops_without_algebraic(const StepEnd& end, Integrator& integrator) {
+  if (n_.n_alg == 0 || eq_.algebraic_is_coupled()) return false;
+  State s;
+  Eigen::VectorXd v_dot, last = result_.state.a;
+  std::string complaint;
+  const auto is_solved = [&](double t) {
+    integrator.interpolate(t, s, v_dot);
+    for (const bool from_last : {false, true}) try {
+        if (from_last) s.a = last;
+        accelerations_.solve_algebraic(s);
+        if (!s.a.allFinite()) continue;
+        last = s.a;
+        return true;
+      } catch (const std::runtime_error& e) {
+        complaint = e.what();
+      }
+    return false;
+  };
+  if (is_solved(end.t_end)) return false;
+  double solved = result_.state.t, lost = end.t_end;
+  for (double middle; (middle = 0.5 * (solved + lost)) > solved && middle < lost;)
+    (is_solved(middle) ? solved : lost) = middle;
+  is_solved(lost);
+  result_.stopped_because = complaint;
+  if (solved <= result_.state.t) return true;
+  rows_.enter_step(result_.state.t, solved, solved, integrator);
+  integrator.interpolate(solved, result_.state, result_.v_dot);
+  result_.state.a = last;
+  return true;
+}
+
 }  // namespace flexura::mbs

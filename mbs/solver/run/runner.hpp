@@ -79,6 +79,7 @@ class Runner {
   bool finish_step(const StepEnd& end, Integrator& integrator);
   bool cross_singularity(const IntegrationError& reason);
   void stop_at_contradiction(const StepEnd& end, Integrator& integrator);
+  bool stops_without_algebraic(const StepEnd& end, Integrator& integrator);
   bool leap(const Instant& from, bool& goes_on);
   bool leap_across(double least_way, bool& goes_on);
   bool pass_rank_loss(bool& goes_on);
