@@ -269,5 +269,24 @@ TEST_F(Integrators, FrictionOfANarrowRangeOfSpeedsIsResolvedOrRefused) {
   EXPECT_NEAR(formula["j.position"](98), x, 1e-5);
 }
 
+// al^2 = 0.5 - t has no real solution after 0.5 s: 1e82 was stored, or rows that solve nothing.
+TEST_F(Integrators, StopWhereAnAlgebraicStateLosesItsSolution) {
+  for (const char* method : {"ida", "radau", "runge_kutta", "generalised_alpha"}) {
+    SCOPED_TRACE(method);
+    const Run run =
+        simulate(kFound + "integrators/algebraic_no_solution.toml", {std::string("solver.method=") + method});
+    EXPECT_EQ(run.outcome.exit_code, 1);
+    EXPECT_THAT(run.outcome.err, HasSubstr("\"al\""));
+    const Eigen::VectorXd al = run["al"];
+    ASSERT_GT(al.size(), 10);
+    for (Eigen::Index k = 0; k < al.size(); ++k) {
+      const double t = run.results.time[static_cast<std::size_t>(k)];
+      ASSERT_LE(t, 0.5 + 1e-9);
+      // Newton's iterations end where the residual is 1e-9 or so; al is its root's.
+      EXPECT_NEAR(al(k), std::sqrt(std::max(0.0, 0.5 - t)), 1e-4) << t;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace flexura::test
