@@ -17,13 +17,13 @@ namespace {
 
 using Eigen::VectorXd;
 
-struct BodyMotion {
+struct FrameMotion {
   Pose X_WB;
   Vector3d w_W, v_W;
 };
 
-BodyMotion motion_of(const Mechanism& m, int body, const State& s) {
-  BodyMotion out;
+FrameMotion motion_of(const Mechanism& m, int body, const State& s) {
+  FrameMotion out;
   std::vector<Pose> poses;
   const auto scratch = m.make_scratch();
   m.body_poses(s, *scratch, poses);
@@ -47,7 +47,7 @@ struct Momenta {
 
 Momenta momenta(const Mechanism& m, int body, const State& s) {
   const FlexibleBody& flexible = *m.description().bodies[body].flexible;
-  const BodyMotion motion = motion_of(m, body, s);
+  const FrameMotion motion = motion_of(m, body, s);
   const Matrix3d& R = motion.X_WB.R;
   const Vector3d w = R.transpose() * motion.w_W, v = R.transpose() * motion.v_W;
   const auto scratch = flexible.make_scratch();
