@@ -197,7 +197,7 @@ TEST(Bombs, OutputsLeaveFilesOfOtherKindsBehindLinks) {
                    "[body.b]\nmass = 1\ninertia = [1, 1, 1]\n[joint.j]\ntype = "
                    "\"prismatic\"\nfrom = \"ground\"\nto = \"b\"\n[solver]\nend_time = 0.01\n");
   fs::create_symlink(precious, folder / "m.h5");
-  expect_refused({"simulate", mechanism.string(), "-q"}, "a file of another kind");
+  expect_refused({"simulate", mechanism.string(), "-o", folder / "m.h5"}, "a file of another kind");
   EXPECT_EQ(test::read_text(precious), "precious");
 }
 

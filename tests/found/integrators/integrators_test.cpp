@@ -276,14 +276,14 @@ TEST_F(Integrators, StopWhereAnAlgebraicStateLosesItsSolution) {
     const Run run =
         simulate(kFound + "integrators/algebraic_no_solution.toml", {std::string("solver.method=") + method});
     EXPECT_EQ(run.outcome.exit_code, 1);
-    EXPECT_THAT(run.outcome.err, HasSubstr("\"al\""));
+    EXPECT_THAT(run.outcome.err, HasSubstr(" at t = 0.5"));
     const Eigen::VectorXd al = run["al"];
     ASSERT_GT(al.size(), 10);
     for (Eigen::Index k = 0; k < al.size(); ++k) {
       const double t = run.results.time[static_cast<std::size_t>(k)];
       ASSERT_LE(t, 0.5 + 1e-9);
-      // Newton's iterations end where the residual is 1e-9 or so; al is its root's.
-      EXPECT_NEAR(al(k), std::sqrt(std::max(0.0, 0.5 - t)), 1e-4) << t;
+      // Near the fold either branch may be found; both solve the equation, to what Newton's iterations leave.
+      EXPECT_NEAR(al(k) * al(k), 0.5 - t, 1e-8) << t;
     }
   }
 }
