@@ -104,7 +104,7 @@ TEST_F(OddPlaces, PicturesReplaceNothingButPictures) {
   fs::remove(folder);
   fs::create_directory(folder);
   fs::create_symlink(results(), folder / "00001.vtp");
-  expect_refused(words, "is read by this command");
+  expect_refused(words, "a file of another kind");
   EXPECT_TRUE(fs::is_symlink(folder / "00001.vtp"));
   fs::remove(folder / "00001.vtp");
   fs::create_directory(folder / "00001.vtp");
