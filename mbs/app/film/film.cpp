@@ -85,13 +85,15 @@ void write_film(const std::filesystem::path& film, const std::filesystem::path& 
   if (!o.color.empty()) {
     if (o.color == "stress" && browser.evaluate("flexura.largestStress") == 0)
       throw std::invalid_argument(
-          "--film-color is 'stress': no body of these results has stresses to colour; store them with "
-          "`stress = true` and a part "
-          "with [recovery]");
+          "--film-color is 'stress': no body of these results has stresses to colour; give the body stress = "
+          "true "
+          "and its part [recovery] stress = true");
     browser.evaluate(fmt::format("flexura.setField({})", kColors.at(o.color)));
   }
   const json text = browser.evaluate(fmt::format("flexura.film({})", wish.dump()));
-  if (!text.is_string()) throw std::runtime_error("the page gave no film");
+  if (!text.is_string())
+    throw std::runtime_error(
+        "the browser gave no film of this page; try it again, or make the film on the page itself");
   files::write_whole(film, from_base64(text.get<std::string>()));
 }
 

@@ -33,12 +33,16 @@ Eigen::MatrixXd on_null_space(const Eigen::MatrixXd& K, const Eigen::MatrixXd& G
 }
 
 // Units in which every coordinate is as stiff as the others, those that nothing holds by the masses; empty
-// where nothing is stiff.
-Eigen::VectorXd units_of_stiffness(const Eigen::MatrixXd& K, const Eigen::VectorXd& by_mass) {
+// where nothing is stiff.  What takes part in rows G may be softer than the rest by 1e10 only: it would be all that a row sees.
+Eigen::VectorXd units_of_stiffness(const Eigen::MatrixXd& K, const Eigen::MatrixXd& G,
+                                   const Eigen::VectorXd& by_mass) {
   const Eigen::VectorXd k = K.diagonal().cwiseAbs(), m = by_mass.cwiseAbs2();
   const double stiffest = k.cwiseProduct(m).maxCoeff();
   if (!(stiffest > 0.0)) return {};
-  return k.cwiseMax(1e-30 * stiffest * m.cwiseInverse()).cwiseSqrt().cwiseInverse();
+  Eigen::VectorXd least = stiffest * m.cwiseInverse();
+  for (Eigen::Index i = 0; i < least.size(); ++i)
+    least(i) *= G.rows() == 0 || G.col(i).isZero(0.0) ? 1e-30 : 1e-10;
+  return k.cwiseMax(least).cwiseSqrt().cwiseInverse();
 }
 
 // Eigenvalues of the symmetric part, ascending.
@@ -67,7 +71,7 @@ struct Shifts {
     if (K.rows() == 0) return 0.0;
     // Definite or not is judged in units in which every coordinate is as stiff as the others: sections of
     // thin beams are 1e12 times stiffer than their bending in the norm of the masses.
-    const Eigen::VectorXd by_stiffness = units_of_stiffness(K, unit);
+    const Eigen::VectorXd by_stiffness = units_of_stiffness(K, G, unit);
     if (by_stiffness.size() > 0) {
       const Eigen::MatrixXd H = on_null_space(K, G, by_stiffness, row_unit);
       if (H.cols() == 0) return 0.0;
@@ -257,7 +261,7 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     }
     // The regularisation below is small beside the compliance of what the constraints hold only if that is 1.
     if (n_v > 0) {
-      const Eigen::VectorXd by_stiffness = units_of_stiffness(K.topRows(n_v), scale.head(n_v));
+      const Eigen::VectorXd by_stiffness = units_of_stiffness(K.topRows(n_v), tangents.G, scale.head(n_v));
       if (by_stiffness.size() > 0) {
         scale.head(n_v) = by_stiffness;
         scale_rows();

@@ -96,7 +96,8 @@ TEST(Macpherson, AxleOfTwoSubsystemsIsItsOwnMirrorImage) {
       prepare_case("macpherson/axle.toml",
                    {"subsystem.left.parameters.rack_travel=0.01", "subsystem.right.body.wheel.mass=20"});
   EXPECT_GT(std::abs(now(bent, {"left.toe"})(0)), 0.05);
-  EXPECT_NEAR(now(bent, {"right.toe"})(0), now(p, {"right.toe"})(0), 1e-9);
+  // The points' digits leave loops open by some 1e-5; where the free arm stands when they are closed depends on both sides.
+  EXPECT_NEAR(now(bent, {"right.toe"})(0), now(p, {"right.toe"})(0), 1e-5);
   EXPECT_DOUBLE_EQ(bent.mechanism->description().bodies[10].inertia.mass, 20.0);
   try {
     prepare_case("macpherson/axle.toml", {"subsystem.left.parameters.rack_travl=0.01"});
