@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 
 // The largest displacement and stress that a page states, against a plain loop over every stored row and every vertex.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -137,7 +138,7 @@ TEST_P(Largest, IsThatOfAllStoredRowsAndAllVertices) {
     const auto& se = *sample.pictures.at("a");
     const results::Run& run = sample.results.runs[0];
     const results::BodyHistory &a = run.bodies[0], &b = run.bodies[1];
-    const auto path = scratch("largest.html");
+    const auto path = scratch(fmt::format("largest_{}.html", seed));
     // Few frames and values: what is drawn has no say in what is largest.
     write_motion_page(path, sample.results, sample.pictures,
                       {.plots = {}, .most_frames = 10, .most_values = 20.0});

@@ -195,7 +195,10 @@ TEST(IntegratorsShareUnknown, IsCalledSo) {
       told(twelve::kSliderCrank, {"solver.method=generalised_alpha", "solver.tolerance=1e-3"});
   EXPECT_FALSE(coarse.is_whole);
   EXPECT_EQ(coarse.error, 0.0);
-  EXPECT_NE(coarse.note.find("to first order"), std::string::npos) << coarse.note;
+  // Its steps are too long for a first order, and some of its rows are chosen anew on the way.
+  EXPECT_TRUE(coarse.note.find("to first order") != std::string::npos ||
+              coarse.note.find("is not followed") != std::string::npos)
+      << coarse.note;
   // What a controller has sampled is held: its error jumps with every sample.
   std::string sampled = twelve::kControl;
   sampled.replace(sampled.find("[control.pid]"), std::string::npos, R"toml([control.held]
