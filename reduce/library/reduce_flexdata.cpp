@@ -58,7 +58,8 @@ FlexDataBody rigid_body(const FlexDataInput& input, const FlexData& data) {
   return body;
 }
 
-// All integrals of [R Phi]: a rigid motion k is t_k + A_k x.
+// All integrals of [R Phi]: a rigid motion k is t_k + A_k x, the rotations about the centre of mass: about an origin far away they
+// would be translations but for round-off.
 InertiaIntegrals integrals_of(const FlexDataBody& body) {
   const Index m = body.S_phi.cols(), n = 6 + m;
   InertiaIntegrals I{.mass = body.mass, .S_x = body.S_x, .S_xx = body.S_xx};
@@ -70,6 +71,7 @@ InertiaIntegrals integrals_of(const FlexDataBody& body) {
     if (k < 3) continue;
     const int c = k - 3, a = (c + 1) % 3, b = (c + 2) % 3;  // e_c x x: -x_b along a, x_a along b
     A[k](a, b) = -1.0, A[k](b, a) = 1.0;
+    t[k] = -A[k] * body.S_x / body.mass;
   }
   I.S_phi.resize(3, n);
   I.S_xphi.resize(9, n);
@@ -155,6 +157,7 @@ Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
     body.names = input.names;
   }
   const auto m = static_cast<Index>(data.modes.size());
+  const Vector3d centre = body.S_x / body.mass;
 
   Reduction r;
   r.inertia = integrals_of(body);
@@ -164,7 +167,7 @@ Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
   for (std::size_t k = 0; k < data.nodes.size(); ++k) {
     const auto first = static_cast<Index>(6 * k);
     MatrixXd motion(6, 6 + m);
-    motion << node_motion_at(data.nodes[k].position), data.shapes.middleRows<6>(first);
+    motion << node_motion_at(data.nodes[k].position - centre), data.shapes.middleRows<6>(first);
     places.middleRows<3>(3 * static_cast<Index>(k)) = motion.topRows<3>();
     ReducedInterface interface { .name = body.names[k], .tie = Tie::rigid, .point = data.nodes[k].position };
     interface.first_dof = static_cast<int>(B.rows());
@@ -225,7 +228,6 @@ Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
   surface.vertices.resize(static_cast<Index>(data.nodes.size()), 3);
   for (std::size_t k = 0; k < data.nodes.size(); ++k)
     surface.vertices.row(static_cast<Index>(k)) = data.nodes[k].position;
-  const Vector3d centre = body.S_x / body.mass;
   Reduced out;
   out.text = fmt::format("  {}\n  mass {:.6g} kg, centre ({:.5g}, {:.5g}, {:.5g}) m\n  {}\n",
                          fmt::join(notes, "\n  "), body.mass, centre.x(), centre.y(), centre.z(),
