@@ -146,16 +146,17 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
                   ? linalg::krylov_schur(problem, request, options.progress)
                   : linalg::block_lanczos(problem, request, options.progress);
     if (preloaded) {
-      ExtraShapes answers{MatrixXd(n_i, 0), {}};
+      MatrixXd answers(n_i, 0);
+      std::vector<std::string> names;
       for (const LoadCase& load : cases) {
         if (load.preloads.empty()) continue;
         const VectorXd p = load_vector(structure, load);
-        answers.X.conservativeResize(Eigen::NoChange, answers.X.cols() + 1);
-        answers.X.rightCols<1>() = solve_refined(factor, *K.ii, MatrixXd(p(numbering.dof_of)));
-        answers.names.push_back("static answer to load " + load.name);
+        answers.conservativeResize(Eigen::NoChange, answers.cols() + 1);
+        answers.rightCols<1>() = solve_refined(factor, *K.ii, MatrixXd(p(numbering.dof_of)));
+        names.push_back("static answer to load " + load.name);
       }
       const Index n_normal = pairs.omega2.size();
-      append_shapes(problem, pairs, answers);
+      append_shapes(problem, pairs, whole_shapes(problem, std::move(answers), std::move(names)));
       report.n_extra = static_cast<int>(pairs.omega2.size() - n_normal);
     }
   }

@@ -131,6 +131,17 @@ TEST(ResponseModes, BeyondTheModesAreRefused) {
   }
 }
 
+// Its kept round-off differed by twice itself from the full model, and the part was refused.
+TEST(ResponseModes, OfAllModesAreNone) {
+  ReductionOptions options;
+  options.n_modes = 100000;
+  const Reduction plain = craig_bampton(rod(), options);
+  options.response_omegas = {0.0, 0.5 * std::sqrt(plain.omega2(0))};
+  const Reduction se = craig_bampton(rod(), options);
+  EXPECT_EQ(se.report.n_extra, 0);
+  EXPECT_EQ(se.n_q, plain.n_q);
+}
+
 TEST(LoadCases, TorqueByDisplacementIsThatOfTheForcesWhereTheyAct) {
   const Part part = rod();
   ReductionOptions options;

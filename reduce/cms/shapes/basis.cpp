@@ -56,6 +56,10 @@ void add_shapes(const Part& part, const TiedModel& model, const TiedSolver& solv
     const Index before = all.X.cols();
     all.X.conservativeResize(n, before + some.X.cols());
     all.X.rightCols(some.X.cols()) = some.X;
+    all.mass.conservativeResize(all.X.cols());
+    all.mass.tail(some.X.cols()) = some.mass;
+    all.energy.conservativeResize(all.X.cols());
+    all.energy.tail(some.X.cols()) = some.energy;
     all.names.insert(all.names.end(), some.names.begin(), some.names.end());
   };
   if (!options.response_omegas.empty()) {
@@ -72,7 +76,7 @@ void add_shapes(const Part& part, const TiedModel& model, const TiedSolver& solv
     MatrixXd f_i, f_b;
     model.gather(nodal_forces(model.m(), model.n_nodes(), load), f_i, f_b);
     const MatrixXd u_i = solver.solve(f_i);
-    add({u_i, {"static answer to load " + load.name}});
+    add(whole_shapes(problem, u_i, {"static answer to load " + load.name}));
     answers.push_back({load.name, f_i, model.inner(f_i, u_i)(0, 0)});
   }
   if (all.names.empty()) return;

@@ -15,6 +15,16 @@ namespace flexura::reduce {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+ExtraShapes whole_shapes(const linalg::EigenProblem& problem, MatrixXd X, std::vector<std::string> names) {
+  ExtraShapes out{.X = std::move(X), .mass = {}, .energy = {}, .names = std::move(names)};
+  MatrixXd A_X;
+  problem.multiply_M(out.X, A_X);
+  out.mass = problem.inner(out.X, A_X).diagonal().cwiseMax(0.0);
+  problem.multiply_K(out.X, A_X);
+  out.energy = problem.inner(out.X, A_X).diagonal().cwiseMax(0.0);
+  return out;
+}
+
 ExtraShapes response_shapes(const linalg::EigenProblem& problem, const linalg::EigenPairs& pairs,
                             const MatrixXd& Mhat, double omega, const std::vector<std::string>& names) {
   const double hertz = omega / (2.0 * std::numbers::pi);
@@ -39,9 +49,13 @@ ExtraShapes response_shapes(const linalg::EigenProblem& problem, const linalg::E
     linalg::add_product(-1.0, pairs.Phi, share, X);
   };
   const auto size = [&](const MatrixXd& X) { return std::sqrt(problem.inner(X, X).trace()); };
-  ExtraShapes out;
+  std::vector<std::string> responses;
+  for (const std::string& name : names)
+    responses.push_back(fmt::format("response to {} at {:.5g} Hz", name, hertz));
   MatrixXd term, M_term;
   problem.solve(Mhat, term);
+  // Where all modes are kept, what is left of the answers is round-off: only their sizes show it.
+  ExtraShapes out = whole_shapes(problem, term, std::move(responses));
   without_modes(term);
   out.X = term;
   // To the digits that the solves have.
@@ -53,8 +67,6 @@ ExtraShapes response_shapes(const linalg::EigenProblem& problem, const linalg::E
     out.X += term;
     if (size(term) < 1e-10 * size(out.X)) break;
   }
-  for (const std::string& name : names)
-    out.names.push_back(fmt::format("response to {} at {:.5g} Hz", name, hertz));
   return out;
 }
 
@@ -67,15 +79,9 @@ std::vector<std::string> append_shapes(const linalg::EigenProblem& problem, lina
   MatrixXd MQ(n, Q.cols()), M_block;
   problem.multiply_M(pairs.Phi, M_block);
   MQ.leftCols(n_q) = M_block;
-  MatrixXd K_all;
-  problem.multiply_K(extra.X, K_all);
-  const Eigen::VectorXd energy_of_all = problem.inner(extra.X, K_all).diagonal();
-  K_all.resize(0, 0);
   Index rank = n_q;
   for (Index j = 0; j < extra.X.cols(); ++j) {
     MatrixXd x = extra.X.col(j), M_x;
-    problem.multiply_M(x, M_x);
-    const double length = std::sqrt(std::max(problem.inner(x, M_x)(0, 0), 0.0));
     for (int pass = 0; pass < 2; ++pass)
       x -= linalg::times(Q.leftCols(rank), problem.inner(MQ.leftCols(rank), x));
     problem.multiply_M(x, M_x);
@@ -84,7 +90,8 @@ std::vector<std::string> append_shapes(const linalg::EigenProblem& problem, lina
     MatrixXd K_x;
     problem.multiply_K(x, K_x);
     const double energy = std::max(problem.inner(x, K_x)(0, 0), 0.0);
-    if (!(rest > kDependent * length) && !(energy > kDependent * kDependent * energy_of_all(j))) {
+    if (!(rest > kDependent * std::sqrt(extra.mass(j))) &&
+        !(energy > kDependent * kDependent * extra.energy(j))) {
       dropped.push_back(extra.names[static_cast<std::size_t>(j)]);
       continue;
     }

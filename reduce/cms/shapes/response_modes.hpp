@@ -25,16 +25,22 @@ namespace flexura::reduce {
 /// Shapes with zero interface dofs and their names.
 struct ExtraShapes {
   Eigen::MatrixXd X;  ///< n_i x k
+  Eigen::VectorXd mass,
+      energy;  ///< k: x^T M x and x^T K x of the answers, their part in the normal modes included
   std::vector<std::string> names;
 };
+
+/// The answers X (n_i x k) with their sizes.
+ExtraShapes whole_shapes(const linalg::EigenProblem& problem, Eigen::MatrixXd X,
+                         std::vector<std::string> names);
 
 /// The response modes for each interface dof.  `Mhat` n_i x n_b; `names` of the interface dofs.  Throws
 /// std::invalid_argument for frequencies above 0.8 of the first one that the pairs leave out.
 ExtraShapes response_shapes(const linalg::EigenProblem& problem, const linalg::EigenPairs& pairs,
                             const Eigen::MatrixXd& Mhat, double omega, const std::vector<std::string>& names);
 
-/// Takes the normal modes out of the extra shapes, drops what depends on earlier ones (kDependent, in mass and
-/// in strain energy) and appends the rest to the pairs as vectors with phi^T M phi = 1, phi^T K phi =
+/// Takes the normal modes out of the extra shapes, drops what depends on earlier ones (less than kDependent of the
+/// answer is left, in mass and in strain energy) and appends the rest to the pairs as vectors with phi^T M phi = 1, phi^T K phi =
 /// diag(omega2).  Returns the names of the dropped.  The pairs must be exact modes, so it is called once, with
 /// the shapes of all loads and frequencies.
 std::vector<std::string> append_shapes(const linalg::EigenProblem& problem, linalg::EigenPairs& pairs,
