@@ -81,6 +81,9 @@ Reader::Reader(ReadModel& model, const std::filesystem::path& file, const input:
       root_(read_file(file, solver, take_overrides_below(overrides, overrides_below_))),
       parameters_(read_parameters(root_)),
       tables_(read_tables(root_)) {
+  if (const auto& remarks = root_.remarks(); !remarks.empty())
+    model_.notes.push_back(remarks.front() +
+                           (remarks.size() > 1 ? fmt::format("; so with {} more", remarks.size() - 1) : ""));
   const auto subsystems = root_.table_map("subsystem");
   for (const auto& [name, below] : overrides_below_)
     if (std::ranges::none_of(subsystems, [&](const auto& entry) { return entry.first == name; })) {

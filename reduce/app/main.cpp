@@ -44,7 +44,7 @@ const char* const kBesidePart = "PART.faces.html";
 constexpr int kNotGiven = std::numeric_limits<int>::min();
 
 struct Arguments {
-  std::string input, output, report, html, mesh, mesh_size, accuracy, petsc;
+  std::string input, output, report, html, mesh, mesh_size, accuracy, petsc, unit_system;
   std::vector<std::string> overrides, held;
   int modes = -1, beam_modes = 0, compare = 0;
   int places = kNotGiven, threads = kNotGiven;
@@ -52,6 +52,28 @@ struct Arguments {
   bool factor_in_file = false, list_faces = false, schema = false, schema_beams = false,
        schema_flexdata = false, statics = false, run_scripts = false;
 };
+
+// What --unit-system says in the part file's words.
+std::vector<std::string> overrides_of_units(const std::string& system) {
+  struct System {
+    const char *name, *length, *mass;
+  };
+  constexpr System kSystems[] = {{"m-kg-s", "m", "kg"},
+                                 {"mm-t-s", "mm", "t"},
+                                 {"mm-kg-s", "mm", "kg"},
+                                 {"cm-g-s", "cm", "g"},
+                                 {"inch-lbf-s", "inch", "lbf s^2/in"},
+                                 {"ft-slug-s", "ft", "slug"}};
+  std::vector<std::string> known;
+  for (const System& s : kSystems) {
+    if (system == s.name)
+      return {fmt::format("geometry.unit=\"{}\"", s.length),
+              fmt::format("geometry.mass_unit=\"{}\"", s.mass)};
+    known.emplace_back(s.name);
+  }
+  throw input::InputError(
+      fmt::format("--unit-system {}: is not a known system{}", system, input::suggestion(system, known)));
+}
 
 // What one kind of part knows and the other does not is refused, not passed over.
 void refuse_options_of_the_other_kind(const Arguments& a, bool is_beam) {
@@ -66,6 +88,7 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_beam) {
     refuse(!a.mesh.empty(), "--mesh", "parts of solid elements");
     refuse(a.factor_in_file, "--factor-in-file", "parts of solid elements");
     refuse(!a.petsc.empty(), "--petsc", "parts of solid elements");
+    refuse(!a.unit_system.empty(), "--unit-system", "parts of solid elements");
     if (!a.statics && (!a.held.empty() || a.places != kNotGiven))
       throw input::InputError("--held and --places are for --statics: give it, or leave them out");
     if (a.statics && a.beam_modes > 0)
@@ -86,7 +109,8 @@ void refuse_options_of_reductions(const Arguments& a) {
                                                 {!a.mesh.empty(), "--mesh"},
                                                 {a.compare > 0, "--compare"},
                                                 {a.factor_in_file, "--factor-in-file"},
-                                                {!a.petsc.empty(), "--petsc"}};
+                                                {!a.petsc.empty(), "--petsc"},
+                                                {!a.unit_system.empty(), "--unit-system"}};
   for (const auto& [is_given, option] : given)
     if (is_given)
       throw input::InputError(
@@ -150,6 +174,8 @@ int reduce_with(const Arguments& arguments, const terminal::Verbosity& verbosity
   if (!arguments.mesh_size.empty()) overrides.push_back("mesh.size=" + arguments.mesh_size);
   if (!arguments.accuracy.empty()) overrides.push_back("modes.accuracy=" + arguments.accuracy);
   if (arguments.modes >= 0) overrides.push_back(fmt::format("modes.count={}", arguments.modes));
+  if (!arguments.unit_system.empty())
+    for (std::string& unit : overrides_of_units(arguments.unit_system)) overrides.push_back(std::move(unit));
   constexpr int most = 20000;
   for (const auto& [name, count] :
        {std::pair{"--compare", arguments.compare}, std::pair{"--places", arguments.places_or_default()},
@@ -234,6 +260,9 @@ std::function<int()> declare(terminal::Options& options, const terminal::Verbosi
       .option("--held", arguments->held, "INTERFACE ...", "interfaces that --statics holds (default: all)")
       .option("--places", arguments->places, "N", "places along each member for --statics (default: 5)")
       .option("--set", arguments->overrides, "KEY=VALUE", "override an entry of the part file")
+      .option("--unit-system", arguments->unit_system, "SYSTEM",
+              "units of a mesh file or deck, overrides geometry.unit and geometry.mass_unit: m-kg-s, mm-t-s, "
+              "mm-kg-s, cm-g-s, inch-lbf-s, ft-slug-s")
       .option("--report", arguments->report, "FILE", "also write the acceptance report as JSON")
       .option(
           "--mesh", arguments->mesh, "FILE",

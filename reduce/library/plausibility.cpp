@@ -16,9 +16,9 @@ std::string odd_material(const Material& material, bool of_deck) {
   // [m/s], of sound in a bar: 17e3 in diamond, some 40 in soft rubber.
   constexpr double kSlowest = 20.0, kFastest = 25e3;
   const auto remedy = [&](const char* own) -> std::string {
-    return of_deck
-               ? "a deck is taken in m, kg, s unless [geometry] unit says otherwise (unit = \"mm\": mm, t, s)"
-               : own;
+    return of_deck ? "a deck is taken in m, kg, s unless [geometry] unit says otherwise (unit = \"mm\", or "
+                     "--unit-system mm-t-s)"
+                   : own;
   };
   // In shear: what does not depend on how compressible the material is.
   const double stiffness = 3.0 * material.D(3, 3);
@@ -51,7 +51,7 @@ std::string odd_size(const mesh::Mesh& mesh) {
   if (mesh.solids.empty() || !((high - low).maxCoeff() > kLongest)) return "";
   return fmt::format(
       "the part is {:.4g} m long, its mesh being taken in metres; is it in millimetres (unit = \"mm\" in "
-      "[geometry])? unit = \"m\" says that it is not",
+      "[geometry], or --unit-system mm-t-s)? unit = \"m\" says that it is not",
       (high - low).maxCoeff());
 }
 

@@ -131,10 +131,16 @@ TEST_F(Stranger, DecksInMillimetresWithoutAUnitAreToldOfIt) {
   const Bricks deck{.lx = 1000, .ly = 100, .lz = 100, .material = "2.1e5, 0.3\n*DENSITY\n7.85e-9\n"};
   const Reduced r = reduce_deck(deck.deck(), deck.ends(), {}, "deck.inp");
   ASSERT_EQ(r.outcome.exit_code, 0) << r.outcome.err;
-  EXPECT_THAT(r.outcome.err,
-              AllOf(HasSubstr("as no material has"), HasSubstr("[geometry] unit"), HasSubstr("mm, t, s")));
+  EXPECT_THAT(r.outcome.err, AllOf(HasSubstr("as no material has"), HasSubstr("[geometry] unit"),
+                                   HasSubstr("--unit-system mm-t-s")));
   const Reduced told = reduce_deck(deck.deck(), "unit = \"mm\"\n" + deck.ends(), {}, "deck.inp");
   EXPECT_THAT(told.outcome.err, Not(HasSubstr("no material")));
+  const Reduced system = reduce_deck(deck.deck(), deck.ends(), {"--unit-system", "mm-t-s"}, "deck.inp");
+  EXPECT_THAT(system.outcome.err, Not(HasSubstr("no material")));
+  EXPECT_EQ(system.se.inertia.mass, told.se.inertia.mass);
+  const Reduced unknown = reduce_deck(deck.deck(), deck.ends(), {"--unit-system", "mm-t"}, "deck.inp");
+  EXPECT_EQ(unknown.outcome.exit_code, 2);
+  EXPECT_THAT(unknown.outcome.err, HasSubstr("did you mean \"mm-t-s\"?"));
 }
 
 // With a material in SI beside it nothing but its size tells.

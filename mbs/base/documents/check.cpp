@@ -42,6 +42,7 @@ class Checker {
       if (key.name != "parameters" || key.kind != Kind::formulas) continue;
       auto data = std::make_shared<Section::Data>();
       data->document = values_.document();
+      data->remarks = values_.remarks();
       data->kinds[key.name] = key.kind;
       if (auto value = check_key(root, key, "", 1, false)) data->values.emplace(key.name, std::move(*value));
       values_.set_formulas(formulas(Section(data)));
@@ -53,6 +54,7 @@ class Checker {
                 bool lenient) const {
     auto data = std::make_shared<Section::Data>();
     data->document = values_.document();
+    data->remarks = values_.remarks();
     data->path = path;
     data->line = line;
     data->overridden = line == 0 && !lenient && !path.empty();

@@ -150,6 +150,10 @@ std::vector<std::pair<std::string, Section>> Section::table_map(const std::strin
   return sections;
 }
 
+const std::vector<std::string>& Section::remarks() const {
+  return *data_->remarks;
+}
+
 const std::string& Section::path() const {
   return data_->path;
 }

@@ -45,6 +45,9 @@ class Section {
 
   std::vector<std::pair<std::string, std::string>> formulas(const std::string& key) const;  ///< in file order
 
+  /// Of the whole document: what can be read and is hardly meant, as angles of many turns without a unit.
+  const std::vector<std::string>& remarks() const;
+
   const std::string& path() const;  ///< "joint[2]" (counted from 1) or "body.rod", for messages
   /// The value of a text key as a path: a relative one starts at the folder of the document.
   std::filesystem::path file(const std::string& key) const;

@@ -30,6 +30,7 @@ struct Value {
 
 struct Section::Data {
   std::shared_ptr<const std::filesystem::path> document;
+  std::shared_ptr<const std::vector<std::string>> remarks;  // of the document
   std::string path;
   int line = 0;
   bool overridden = false;

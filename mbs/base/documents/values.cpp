@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <numbers>
 #include <sstream>
 
 #include "mbs/base/documents/shown_text.hpp"
@@ -185,8 +186,18 @@ double ValueReader::number(const toml::node& node, const Key& key, const Place& 
     refuse(place, &node, fmt::format("{} is wanted", wanted(key)));
   }
   if (!std::isfinite(value)) refuse(place, &node, "is not finite", "give a number");
+  if (key.dimension == dim::angle && !node.is_string()) remark_on_angle(value, place);
   check_range(value, node, key, place);
   return value;
+}
+
+void ValueReader::remark_on_angle(double value, const Place& place) const {
+  constexpr double kTurn = 2.0 * std::numbers::pi * (1.0 + 1e-9);
+  if (std::abs(value) <= kTurn || place.is_default) return;
+  remarks_->push_back(fmt::format(
+      "{} = {}: is {:.3g} turns, angles without unit being radians; write \"{} deg\" or \"{} rad\"",
+      location(*document_, place.line, place.overridden, place.path), value, value / (2.0 * std::numbers::pi),
+      value, value));
 }
 
 void ValueReader::check_range(double value, const toml::node& node, const Key& key,

@@ -76,13 +76,18 @@ class ValueReader {
   std::vector<double> normalised(const toml::node& node, const Key& key, const Place& place) const;
   void matrix(const toml::node& node, const Key& key, const Place& place, Value& value) const;
 
+  // Of what was read so far; see Section::remarks().
+  std::shared_ptr<const std::vector<std::string>> remarks() const { return remarks_; }
+
  private:
   double measured(const std::string& text, const toml::node& node, const Key& key, const Place& place) const;
   void check_range(double value, const toml::node& node, const Key& key, const Place& place) const;
+  void remark_on_angle(double value, const Place& place) const;
 
   std::shared_ptr<const std::filesystem::path> document_;
   const Overrides& overrides_;
   FormulaEvaluator formulas_;
+  std::shared_ptr<std::vector<std::string>> remarks_ = std::make_shared<std::vector<std::string>>();
 };
 
 }  // namespace flexura::input

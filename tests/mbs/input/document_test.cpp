@@ -107,6 +107,20 @@ at = "0, 0, 12.5 mm"
 orientation = [2, 0, 0, 2]
 )toml";
 
+TEST_F(Document, AnglesOfManyTurnsWithoutUnitAreRemarkedOn) {
+  TableSchema turned{.name = "Turned",
+                     .keys = {quantity("angle", dim::angle, ""), quantity("size", dim::length, ""),
+                              quantities("table", dim::angle, "")}};
+  const auto remarks = [&](const std::string& text) {
+    std::ofstream(file_, std::ios::binary) << text;
+    return read_document(file_, turned).remarks();
+  };
+  EXPECT_THAT(remarks("angle = 90\n"), ElementsAre(HasSubstr("engine.toml:1: angle = 90: is 14.3 turns")));
+  EXPECT_EQ(remarks("size = 3\ntable = [1, -360.0, 7]\n").size(), 2u);
+  EXPECT_THAT(remarks("angle = \"90 deg\"\nsize = 90\ntable = [6.283185307179586, \"20 rad\"]\n"),
+              ElementsAre());
+}
+
 TEST_F(Document, EveryKindIsReadInSi) {
   const Section root = read(good);
   EXPECT_EQ(root.text("name"), "crank");
