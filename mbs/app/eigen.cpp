@@ -254,15 +254,11 @@ mbs::Stability judge_stability(PreparedMechanism& p, const mbs::SteadyLinearisat
 }
 
 // A mechanism at rest beside an equilibrium, as one that is drawn without the sag of its springs, is meant to stand in
-// it.  Where anything is driven or moves, or falls far, only its user knows.  Loads that hardly bend a part leave it within
-// what counts as its equilibrium, and yet unbalanced: their accelerations would stand in the stiffness.
+// it.  Where anything is driven or moves, or falls far, only its user knows.
 std::optional<mbs::Stability> move_to_equilibrium_near(PreparedMechanism& p) {
   constexpr double kNear = 0.35;  // rad or typical sizes: 20 degrees
-  constexpr double kTold = 1e-5;  // below, the initial state counts as the equilibrium
   const mbs::Mechanism& m = *p.mechanism;
-  if (!p.state.v.isZero(0.0)) return {};
-  const bool is_near = lasts(p);
-  if (is_near ? is_balanced(p) : !m.functions_of_time().empty()) return {};
+  if (!p.state.v.isZero(0.0) || lasts(p) || !m.functions_of_time().empty()) return {};
   const mbs::State before = p.state;
   const Eigen::VectorXd v_dot = p.v_dot;
   const std::vector<std::string> notes = p.notes;
@@ -272,11 +268,10 @@ std::optional<mbs::Stability> move_to_equilibrium_near(PreparedMechanism& p) {
     for (int i = 0; i < m.sizes().n_p; ++i)
       way = std::max(way, std::abs(p.state.p(i) - before.p(i)) / m.position_scale(i));
     if (way < kNear) {
-      if (way >= kTold)
-        p.notes.insert(
-            p.notes.begin() + static_cast<long>(notes.size()),
-            "the initial state is no equilibrium: these are the modes about the one beside it, as with "
-            "--equilibrium (--frozen takes the initial state)");
+      p.notes.insert(
+          p.notes.begin() + static_cast<long>(notes.size()),
+          "the initial state is no equilibrium: these are the modes about the one beside it, as with "
+          "--equilibrium (--frozen takes the initial state)");
       return stability;
     }
   } catch (const std::runtime_error&) {  // none found: the initial state is refused for what it is

@@ -63,8 +63,7 @@ void write_hdf5(const StateSpace& s, const std::filesystem::path& path) {
     root.set("format", "flexura state space");
     root.set("title", s.title);
     root.set("time", s.time);
-    for (const auto& [name, A] : s.matrices)
-      if (A.size() > 0) hdf5::write_matrix(root, name, A, "SI", name + ", row by row");
+    for (const auto& [name, A] : s.matrices) hdf5::write_matrix(root, name, A, "SI", name + ", row by row");
     for (const auto& [name, list] : s.names) {
       std::string lines;
       for (const std::string& line : list) lines += line + "\n";

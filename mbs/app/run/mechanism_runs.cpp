@@ -163,18 +163,53 @@ mbs::Stability move_to_equilibrium(mbs::PreparedMechanism& p) {
 const char* const kFrozenHelp =
     "linearise at the instant even where the state does not last: about a point of a trajectory";
 
-bool lasts(const mbs::PreparedMechanism& p) {
+namespace {
+
+mbs::SteadyLinearisation linearised(const mbs::PreparedMechanism& p, const mbs::LineariseOptions& options) {
   const double span = p.options.end_time - p.state.t;
-  return mbs::linearise_steady(*p.mechanism, p.state, span > 0.0 ? span : 1.0, {}).verdict !=
-         mbs::SteadyLinearisation::Verdict::unsteady;
+  return mbs::linearise_steady(*p.mechanism, p.state, span > 0.0 ? span : 1.0, options);
+}
+
+// Norm of the accelerations in the masses [m/s^2 or rad/s^2 of all that moves].
+double unbalanced_acceleration(const mbs::PreparedMechanism& p) {
+  const auto n_v = p.mechanism->sizes().n_v;
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n_v, n_v);
+  p.mechanism->mass_matrix(p.state.p, *p.mechanism->make_scratch(), M);
+  return n_v == 0 ? 0.0 : std::sqrt(p.v_dot.dot(M * p.v_dot) / M.diagonal().maxCoeff());
+}
+
+// A state that counts as an equilibrium stands beside it, if only by a micrometre.  What its loads leave unbalanced there would
+// be a stiffness, of a wrong sign where a heavy mass sits on a light part.  False where the state stays.
+bool settle(mbs::PreparedMechanism& p) {
+  constexpr double kRoundOff = 1e-12, kBeside = 1e-4;  // [m/s^2, rad/s^2], typical sizes
+  if (unbalanced_acceleration(p) <= kRoundOff) return false;
+  mbs::State settled = p.state;
+  try {
+    mbs::StaticsOptions nearest;
+    nearest.stable = false;
+    nearest.max_iterations = 20;
+    mbs::solve_statics(*p.mechanism, settled, nearest);
+  } catch (const std::runtime_error&) {  // what is free to move has none
+    return false;
+  }
+  for (int i = 0; i < p.mechanism->sizes().n_p; ++i)
+    if (!(std::abs(settled.p(i) - p.state.p(i)) <= kBeside * p.mechanism->position_scale(i))) return false;
+  p.state = std::move(settled);
+  mbs::AccelerationSolver(*p.mechanism).solve(p.state, p.v_dot);
+  return true;
+}
+
+}  // namespace
+
+bool lasts(const mbs::PreparedMechanism& p) {
+  return linearised(p, {}).verdict != mbs::SteadyLinearisation::Verdict::unsteady;
 }
 
 mbs::SteadyLinearisation linearise_about(mbs::PreparedMechanism& p, const mbs::LineariseOptions& options,
                                          bool frozen) {
   using Verdict = mbs::SteadyLinearisation::Verdict;
-  const double span = p.options.end_time - p.state.t;
-  mbs::SteadyLinearisation out =
-      mbs::linearise_steady(*p.mechanism, p.state, span > 0.0 ? span : 1.0, options);
+  mbs::SteadyLinearisation out = linearised(p, options);
+  if (out.verdict == Verdict::equilibrium && !frozen && settle(p)) out = linearised(p, options);
   if (out.verdict == Verdict::unsteady && !frozen)
     throw std::invalid_argument(fmt::format(
         "the state at t = {} s is neither an equilibrium nor a steady motion: {}; a linear system has no "
@@ -193,29 +228,12 @@ mbs::SteadyLinearisation linearise_about(mbs::PreparedMechanism& p, const mbs::L
   return out;
 }
 
-namespace {
-
-Eigen::MatrixXd mass_matrix(const mbs::PreparedMechanism& p) {
-  const auto n_v = p.mechanism->sizes().n_v;
-  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n_v, n_v);
-  p.mechanism->mass_matrix(p.state.p, *p.mechanism->make_scratch(), M);
-  return M;
-}
-
-}  // namespace
-
-bool is_balanced(const mbs::PreparedMechanism& p) {
-  // [m/s^2, rad/s^2] Of all that moves: above what round-off leaves of stiff parts.
-  constexpr double kAtRest = 1e-6;
-  const Eigen::MatrixXd M = mass_matrix(p);
-  return M.rows() == 0 || std::sqrt(p.v_dot.dot(M * p.v_dot)) <= kAtRest * std::sqrt(M.diagonal().maxCoeff());
-}
-
 std::string about_what(const mbs::PreparedMechanism& p, mbs::SteadyLinearisation::Verdict verdict) {
   using Verdict = mbs::SteadyLinearisation::Verdict;
-  if (verdict == Verdict::equilibrium && !is_balanced(p))
-    return fmt::format("the given state, unbalanced by {} N",
-                       terminal::number((mass_matrix(p) * p.v_dot).lpNorm<Eigen::Infinity>(), 3));
+  // Above what round-off leaves of stiff parts.
+  constexpr double kAtRest = 1e-6;
+  if (const double a = unbalanced_acceleration(p); verdict == Verdict::equilibrium && a > kAtRest)
+    return fmt::format("the given state, which accelerates by {} m/s^2 or rad/s^2", terminal::number(a, 3));
   return verdict == Verdict::equilibrium     ? "equilibrium"
          : verdict == Verdict::steady_motion ? "steady motion"
                                              : "frozen";

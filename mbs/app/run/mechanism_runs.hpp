@@ -53,14 +53,13 @@ void note_discretisation(mbs::PreparedMechanism& prepared);
 /// The prepared state is an equilibrium or one of a steady motion.
 bool lasts(const mbs::PreparedMechanism& prepared);
 
-/// The linear system about the prepared state, with notes on what it means.  Throws std::invalid_argument
+/// The linear system about the prepared state, with notes on what it means.  A state within the tolerance of an equilibrium
+/// moves there.  Throws std::invalid_argument
 /// where it means nothing (steady_state.hpp), unless `frozen` asks for it all the same.
 mbs::SteadyLinearisation linearise_about(mbs::PreparedMechanism& prepared,
                                          const mbs::LineariseOptions& options, bool frozen);
-/// At rest the loads balance each other: accelerations are round-off.
-bool is_balanced(const mbs::PreparedMechanism& prepared);
-/// "equilibrium", "steady motion", "frozen", or "the given state, unbalanced by 12 N" where it was not moved to the
-/// equilibrium within whose tolerance it stands.
+/// "equilibrium", "steady motion", "frozen", or "the given state, which accelerates by 0.1 m/s^2 or rad/s^2" where none was
+/// found within whose tolerance it stands.
 std::string about_what(const mbs::PreparedMechanism& prepared, mbs::SteadyLinearisation::Verdict verdict);
 /// What --frozen says of itself.
 extern const char* const kFrozenHelp;

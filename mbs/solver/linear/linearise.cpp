@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "mbs/solver/algebra/accelerations.hpp"
@@ -63,6 +64,7 @@ class Lineariser {
   void motions();
   void accelerations();
   void eliminate_algebraic();
+  void drop_round_off_of_motion(MatrixXd& rates) const;
   void set_names(LinearSystem& out) const;
   void set_outputs(LinearSystem& out) const;
 
@@ -254,6 +256,23 @@ void settle_inputs(LinearSystem& system) {
   system.T_1 = T_1.isZero(0.0) ? MatrixXd() : T_1;
 }
 
+// Along a motion accelerations are differences of terms in its square: what is no more than their last digits would be a slow
+// growth beside free motions.
+void Lineariser::drop_round_off_of_motion(MatrixXd& rates) const {
+  double rate = 0.0;
+  for (int i = 0; i < n_.n_v; ++i) rate = std::max(rate, std::abs(s_.v(i)) / eq_.velocity_scale(i));
+  const double last_digits = 16.0 * std::numeric_limits<double>::epsilon();
+  for (Index i = 0; i < n_w(); ++i)
+    for (Index j = 0; j < n_z() + n_w(); ++j) {
+      const int by = j < n_z() ? positions_[static_cast<std::size_t>(j)]
+                               : independent_[static_cast<std::size_t>(j - n_z())];
+      const double of_terms = (j < n_z() ? rate * rate : rate) *
+                              eq_.velocity_scale(independent_[static_cast<std::size_t>(i)]) /
+                              eq_.velocity_scale(by);
+      if (std::abs(rates(n_z() + i, j)) <= last_digits * of_terms) rates(n_z() + i, j) = 0.0;
+    }
+}
+
 LinearSystem Lineariser::system() {
   motions();
   accelerations();
@@ -263,6 +282,7 @@ LinearSystem Lineariser::system() {
   rates.topRows(n_z()) = sum(product(d_.W, of_.q), of_.v)(positions_, Eigen::all);
   rates.middleRows(n_z(), n_w()) = of_.v_dot(independent_, Eigen::all);
   rates.bottomRows(n_c()) = of_.c_rate(dynamic_, Eigen::all);
+  drop_round_off_of_motion(rates);
   LinearSystem out;
   out.A = rates.leftCols(n_x());
   out.positions = positions_;
@@ -337,53 +357,6 @@ LinearSystem without_unread(LinearSystem out) {
   out.states = std::move(states);
   out.positions = std::move(positions);
   settle_inputs(out);
-  return out;
-}
-
-OutputTangents differentiate_outputs(const Equations& eq, const State& s, const VectorXd& v_dot,
-                                     const LineariseOptions& options) {
-  const Sizes n = eq.sizes();
-  const Index n_y = options.outputs(s, v_dot).size();
-  constexpr double kStep = 1e-5;  // eps^(1/3) of the typical size
-  const auto size_of = [](double x) { return std::max(1.0, std::abs(x)); };
-  const auto columns = [&](int count, const auto& size, const auto& move) {
-    MatrixXd out(n_y, count);
-    for (int j = 0; j < count; ++j) {
-      const double h = kStep * size(j);
-      State up = s, down = s;
-      VectorXd v_dot_up = v_dot, v_dot_down = v_dot;
-      move(up, v_dot_up, j, h);
-      move(down, v_dot_down, j, -h);
-      out.col(j) = (options.outputs(up, v_dot_up) - options.outputs(down, v_dot_down)) / (2.0 * h);
-    }
-    return out;
-  };
-  const auto speed = [&](int j) { return eq.velocity_scale(j); };
-  OutputTangents out;
-  out.q = columns(n.n_v, speed, [&](State& to, VectorXd&, int j, double h) {
-    eq.retract(s.p, h * VectorXd::Unit(n.n_v, j), to.p);
-  });
-  out.v = columns(n.n_v, speed, [](State& to, VectorXd&, int j, double h) { to.v(j) += h; });
-  out.c = columns(
-      n.n_dyn, [&](int j) { return size_of(s.c(j)); },
-      [](State& to, VectorXd&, int j, double h) { to.c(j) += h; });
-  out.a = columns(
-      n.n_alg, [&](int j) { return size_of(s.a(j)); },
-      [](State& to, VectorXd&, int j, double h) { to.a(j) += h; });
-  out.lambda = columns(
-      n.n_lambda, [&](int j) { return size_of(s.lambda(j)); },
-      [](State& to, VectorXd&, int j, double h) { to.lambda(j) += h; });
-  out.v_dot = columns(
-      n.n_v, [&](int j) { return std::max(eq.velocity_scale(j), std::abs(v_dot(j))); },
-      [](State&, VectorXd& to, int j, double h) { to(j) += h; });
-  for (int order = 0; order < 3; ++order)
-    out.u[order] = columns(
-        static_cast<int>(options.signals.size()),
-        [&](int j) { return size_of(eq.input_value(options.signals[static_cast<std::size_t>(j)], s.t)); },
-        [&](State& to, VectorXd&, int j, double h) {
-          to.u = h * VectorXd::Unit(3 * eq.n_inputs(),
-                                    order * eq.n_inputs() + options.signals[static_cast<std::size_t>(j)]);
-        });
   return out;
 }
 

@@ -195,7 +195,7 @@ std::string Judge::change_along(const TurningAxes& axes, double tau, double& cha
           opening(later), tau);
     }
   }
-  const Sample& there = sample(later);
+  const Sample there = sample(later);  // a copy: the next one may move it
   const MatrixXd B = turned(axes.W, tau);
   const LinearSystem now = in_turning_axes(own_, axes.W), then = in_turning_axes(there.system, axes.W);
   const VectorXd expected = axes.accelerated ? v_dot_ : VectorXd(axes.W * there.s.v);
@@ -210,8 +210,22 @@ std::string Judge::change_along(const TurningAxes& axes, double tau, double& cha
   const TypicalSizes sizes{
       size_, VectorXd(s_.c(now.dynamic).cwiseAbs().cwiseMax(1.0)),
       1.0 + speed() * speed() + (n_.n_v > 0 ? v_dot_.cwiseQuotient(size_).lpNorm<Eigen::Infinity>() : 0.0)};
-  change = largest_difference(now, then, B, sizes, where);
-  if (change <= kSameCoefficient) return {};
+  const LaterSystem there_now{then, B};
+  change = largest_difference(now, there_now, sizes, where);
+  if (change <= kSameCoefficient) {
+    // A millionth of the way on tells round-off from what changes.
+    const auto beside = [&](double part) {
+      return LaterSystem{
+          in_turning_axes(sample(along(m_, {s_, v_dot_, c_rate_}, axes, part * tau)).system, axes.W),
+          turned(axes.W, part * tau)};
+    };
+    std::string coupled;
+    change = std::max(change, largest_coupling_difference(now, beside(1e-6), there_now, beside(1.0 + 1e-6),
+                                                          sizes, coupled));
+    if (change <= kSameCoefficient) return {};
+    return fmt::format("what \"{}\" has to do with the motion changes along it, by {:.2g} % after {:.3g} s",
+                       coupled, 100.0 * std::min(change, 1.0), tau);
+  }
   return fmt::format(
       "the coefficients change along the motion, by {:.2g} % of their size after {:.3g} s, most those of "
       "\"{}\"",

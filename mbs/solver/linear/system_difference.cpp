@@ -19,19 +19,40 @@ int position_of(const LinearSystem& system, int coordinate) {
   return found == system.positions.end() ? 0 : static_cast<int>(found - system.positions.begin());
 }
 
+int count_of(const LinearSystem& system) {
+  return static_cast<int>(system.positions.size() + system.independent.size() + system.dynamic.size());
+}
+
+bool are_alike(const LinearSystem& a, const LinearSystem& b) {
+  return a.A.rows() == b.A.rows() && a.positions.size() == b.positions.size();
+}
+
+// States of the first system in those of the later one.
+MatrixXd brought(const LinearSystem& at_0, const LaterSystem& then) {
+  const auto n_z = static_cast<int>(at_0.positions.size()), n_w = static_cast<int>(at_0.independent.size());
+  MatrixXd X = MatrixXd::Identity(count_of(at_0), count_of(at_0));
+  X.topRows(n_z) = (then.B * at_0.Q)(then.system.positions, Eigen::all);
+  X.middleRows(n_z, n_w) = (then.B * at_0.V)(then.system.independent, Eigen::all);
+  return X;
+}
+
+VectorXd typical_states(const LinearSystem& system, const TypicalSizes& sizes) {
+  VectorXd typical(count_of(system));
+  typical << sizes.velocity(system.positions), sizes.velocity(system.independent), sizes.dynamic;
+  return typical;
+}
+
 }  // namespace
 
-double largest_difference(const LinearSystem& at_0, const LinearSystem& at_tau, const MatrixXd& B,
-                          const TypicalSizes& sizes, int& where) {
+double largest_difference(const LinearSystem& at_0, const LaterSystem& then, const TypicalSizes& sizes,
+                          int& where) {
   const auto n_z = static_cast<int>(at_0.positions.size()), n_w = static_cast<int>(at_0.independent.size()),
-             n_c = static_cast<int>(sizes.dynamic.size()), n_x = n_z + n_w + n_c;
+             n_x = count_of(at_0);
   if (n_x == 0) return 0.0;
+  const LinearSystem& at_tau = then.system;
   // Positions that one of the two reads and the other does not.
-  if (at_0.A.rows() != at_tau.A.rows() || at_0.positions.size() != at_tau.positions.size()) return 1.0;
-  const MatrixXd BQ = B * at_0.Q, BV = B * at_0.V;
-  MatrixXd X = MatrixXd::Identity(n_x, n_x);
-  X.topRows(n_z) = BQ(at_tau.positions, Eigen::all);
-  X.middleRows(n_z, n_w) = BV(at_tau.independent, Eigen::all);
+  if (!are_alike(at_0, at_tau)) return 1.0;
+  const MatrixXd BQ = then.B * at_0.Q, X = brought(at_0, then);
   // The constraints leave the same directions free.
   const auto gap = [&](const MatrixXd& then, const MatrixXd& now) {
     const MatrixXd left = sizes.velocity.cwiseInverse().asDiagonal() * (then * X - now).leftCols(n_z);
@@ -46,11 +67,7 @@ double largest_difference(const LinearSystem& at_0, const LinearSystem& at_tau, 
   const MatrixXd moved = X.partialPivLu().solve(at_tau.A * X);
   // Balanced: each row as large as its column (E. E. Osborne, J. ACM 7 (1960) 338-345).
   const MatrixXd sum = at_0.A.cwiseAbs().cwiseMax(moved.cwiseAbs());
-  VectorXd typical(n_x);
-  for (int k = 0; k < n_x; ++k)
-    typical(k) = k < n_z         ? sizes.velocity(at_0.positions[k])
-                 : k < n_z + n_w ? sizes.velocity(at_0.independent[k - n_z])
-                                 : sizes.dynamic(k - n_z - n_w);
+  const VectorXd typical = typical_states(at_0, sizes);
   VectorXd f = typical;
   for (int pass = 0; pass < 10; ++pass)
     for (int i = 0; i < n_x; ++i) {
@@ -79,17 +96,38 @@ double largest_difference(const LinearSystem& at_0, const LinearSystem& at_tau, 
         where = j < n_z ? j : j < n_z + n_w ? position_of(at_0, at_0.independent[j - n_z]) : j - n_w;
       }
     }
-  // Inputs and outputs, each of its own size.
-  const auto compare = [&](const MatrixXd& a, const MatrixXd& b, bool by_row) {
-    for (Eigen::Index k = 0; k < (by_row ? a.rows() : a.cols()); ++k) {
-      const VectorXd x = by_row ? VectorXd(a.row(k)) : VectorXd(a.col(k)),
-                     y = by_row ? VectorXd(b.row(k)) : VectorXd(b.col(k));
-      const double size = std::max(x.lpNorm<Eigen::Infinity>(), y.lpNorm<Eigen::Infinity>());
-      if (size > 0.0) largest = std::max(largest, (x - y).lpNorm<Eigen::Infinity>() / size);
-    }
-  };
-  if (at_0.B.cols() > 0) compare(at_0.B, X.partialPivLu().solve(at_tau.B), false);
-  if (at_0.C.rows() > 0) compare(at_0.C, at_tau.C * X, true);
+  return largest;
+}
+
+double largest_coupling_difference(const LinearSystem& at_0, const LaterSystem& at_once,
+                                   const LaterSystem& then, const LaterSystem& soon_after,
+                                   const TypicalSizes& sizes, std::string& where) {
+  if (count_of(at_0) == 0) return 0.0;
+  constexpr double kAbove = 10.0;  // round-off that is to count as a change
+  const VectorXd typical = typical_states(at_0, sizes);
+  // In coordinates of one size at the first instant: a column for each input, then for each output.
+  std::vector<MatrixXd> couplings;
+  const LaterSystem now{at_0, MatrixXd::Identity(then.B.rows(), then.B.cols())};
+  for (const LaterSystem* one : {&now, &at_once, &then, &soon_after}) {
+    if (!are_alike(at_0, one->system)) return 1.0;
+    const MatrixXd X = brought(at_0, *one);
+    couplings.emplace_back(X.rows(), at_0.B.cols() + at_0.C.rows());
+    couplings.back() << typical.cwiseInverse().asDiagonal() * X.partialPivLu().solve(one->system.B),
+        (one->system.C * X * typical.asDiagonal()).transpose();
+  }
+  double largest = 0.0;
+  for (Eigen::Index k = 0; k < couplings[0].cols(); ++k) {
+    const auto apart = [&](std::size_t a, std::size_t b) {
+      return (couplings[a] - couplings[b]).col(k).lpNorm<Eigen::Infinity>();
+    };
+    const double change = apart(2, 0), size = std::max(couplings[0].col(k).lpNorm<Eigen::Infinity>(),
+                                                       couplings[2].col(k).lpNorm<Eigen::Infinity>());
+    if (change <= kAbove * std::max(apart(1, 0), apart(3, 2)) || change <= largest * size) continue;
+    largest = change / size;
+    const Eigen::Index output = k - at_0.B.cols();
+    where = output < 0 ? at_0.inputs[static_cast<std::size_t>(k)]
+                       : at_0.outputs[static_cast<std::size_t>(output)];
+  }
   return largest;
 }
 
