@@ -43,6 +43,10 @@ class RowWatch {
     double value = 0.0;                    ///< by this much
     int kept_row = -1;
     double kept_value = 0.0;
+    /// Rows left out say something that the kept ones, open by `allowed` at most, do not: where these were not closed to the
+    /// end, near a dead point, they open by as much.
+    bool contradicts(double allowed) const { return left_out > (kept <= kClosed ? 1.0 : allowed); }
+    static constexpr double kClosed = 1e-3;
   };
   /// Equilibria under moving drives are at rest: their rates say nothing.
   enum class Judge { positions, all };

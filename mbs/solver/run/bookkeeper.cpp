@@ -32,8 +32,7 @@ void Bookkeeper::work_off(BookEntry& entry) {
       enter_step(entry);
       break;
     case BookEntry::Kind::row:
-      if (const RowWatch::Opening& open = close(entry.row.state); open.left_out > 1.0 || open.kept > allowed_)
-        throw IntegrationError(watch_.complaint(entry.row.state.t, entry.row.state.t, allowed_));
+      close_row(entry.row.state);
       closer_.accelerate(entry.row.state, entry.row.v_dot);
       if (row_) {
         const EnergyAccount account = book_.at_row(entry.row.state, entry.row.v_dot);
@@ -92,6 +91,21 @@ void Bookkeeper::show(State& s, const Eigen::VectorXd& v_dot) {
   // Accelerations are the same, and those of `eq` are better where the rows of `given` come near to depending on each other.
   Eigen::VectorXd same = v_dot;
   shown_.accelerate(s, same);
+}
+
+// Where the kept rows nearly depend on each other, closing them opens those left out; the integrator's polynomial keeps to all.
+void Bookkeeper::close_row(State& s) {
+  const State given = s;
+  RowWatch::Opening open = close(s);
+  if (open.contradicts(allowed_)) {
+    open = watch_.look(given);
+    if (std::max(open.left_out, open.kept) <= allowed_) {
+      s = given;
+      return;
+    }
+  }
+  if (open.contradicts(allowed_) || open.kept > allowed_)
+    throw IntegrationError(watch_.complaint(s.t, s.t, allowed_));
 }
 
 const RowWatch::Opening& Bookkeeper::close(State& s) {

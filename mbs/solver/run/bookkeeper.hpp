@@ -65,6 +65,7 @@ class Bookkeeper {
 
  private:
   void work_off(BookEntry& entry);
+  void close_row(State& s);
   void enter_step(BookEntry& entry);
 
   EnergyBook book_;

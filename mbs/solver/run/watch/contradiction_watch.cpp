@@ -10,12 +10,10 @@ ContradictionWatch::ContradictionWatch(const Equations& eq, const SolverOptions&
       allowed_(RowWatch::allowed(options.tolerance)) {}
 
 bool ContradictionWatch::contradicts(double t, Integrator& integrator) {
-  constexpr double kNearDeadPoint = 1e-3;  // there loops are not closed further
   integrator.interpolate(t, at_.state, at_.v_dot);
   if (rows_.look(at_.state, judge_).left_out <= 1.0) return false;
   closer_.close(at_.state);
-  const RowWatch::Opening& open = rows_.look(at_.state, judge_);
-  return open.left_out > (open.kept <= kNearDeadPoint ? 1.0 : allowed_);
+  return rows_.look(at_.state, judge_).contradicts(allowed_);
 }
 
 double ContradictionWatch::last_agreement(double t_begin, double t_end, Integrator& integrator) {
