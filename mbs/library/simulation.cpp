@@ -3,8 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
+#include "mbs/solver/algebra/accelerations.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -19,15 +22,13 @@ std::string word_of(Method method, const Mechanism& m) {
 }  // namespace
 
 Simulation::Simulation(const Mechanism& m, const SimulationOptions& options) {
-  started_.mechanism = std::make_unique<Mechanism>(m.description());
   SolverOptions& o = started_.options;
-  o.method = word_of(options.method, *started_.mechanism);
+  o.method = word_of(options.method, m);
   o.method_is_open = options.method == Method::automatic;
   o.tolerance = options.tolerance;
   o.end_time = options.end_time;
   o.max_step = options.max_step;
   o.fixed_step = options.fixed_step;
-  o.output_step = 0.0;  // the first advance() says
   for (const auto& [name, value] : {std::pair("tolerance", o.tolerance), std::pair("end_time", o.end_time)})
     if (!(value > 0.0) || !std::isfinite(value))
       throw std::invalid_argument(
@@ -39,50 +40,83 @@ Simulation::Simulation(const Mechanism& m, const SimulationOptions& options) {
   if (o.fixed_step > 0.0 && (o.method_is_open || !kind_of(o).takes_fixed_steps))
     throw std::invalid_argument(fmt::format("a fixed step goes with {}; name one of them, or leave it out",
                                             names_of_kinds(&IntegratorKind::takes_fixed_steps)));
-  started_.state = started_.mechanism->initial_state();
-  assemble_start(started_, {started_.mechanism->given_positions(), started_.mechanism->given_velocities()});
+  assemble(m, Eigen::VectorXd::Zero(m.n_inputs()));
+}
+
+// At its start, with `u` added to its inputs.
+void Simulation::assemble(const Mechanism& m, const Eigen::VectorXd& u) {
+  StartedMechanism anew;
+  anew.options = started_.options;
+  anew.mechanism = std::make_unique<Mechanism>(m.description());
+  anew.state = anew.mechanism->initial_state();
+  anew.state.u = u;
+  assemble_start(anew, {anew.mechanism->given_positions(), anew.mechanism->given_velocities()});
+  started_ = std::move(anew);
   scratch_ = started_.mechanism->make_scratch();
 }
 
 void Simulation::advance(double step) {
-  SolverOptions& o = started_.options;
+  const double t = time(), end = started_.options.end_time;
   if (!(step > 0.0) || !std::isfinite(step))
     throw std::invalid_argument(fmt::format("a simulation goes on by a time above 0, not by {} s", step));
-  if (o.output_step == 0.0) o.output_step = step;
-  const double rows = std::round(step / o.output_step);
-  if (rows < 1.0 || std::abs(step / o.output_step - rows) > 1e-6)
-    throw std::invalid_argument(fmt::format(
-        "the first step was {} s, and {} s is no multiple of it; take the least of all steps first",
-        o.output_step, step));
-  for (double left = rows; left > 0.5; left -= 1.0) {
-    if (ahead_.empty()) run_until(started_.state.t + left * o.output_step);
-    if (ahead_.empty() && !ended_because_.empty()) throw std::runtime_error(ended_because_);
-    if (ahead_.empty())
-      throw std::runtime_error(
-          fmt::format("the simulation is at its end, {} s; give it a later end_time", started_.state.t));
-    started_.state = std::move(ahead_.front().state);
-    started_.v_dot = std::move(ahead_.front().v_dot);
-    energy_ = ahead_.front().energy;
-    ahead_.pop_front();
+  if (run_ && !run_->stopped_because().empty()) throw std::runtime_error(run_->stopped_because());
+  if (step != length_) {
+    from_ = t;
+    length_ = step;
+    n_ = 0.0;
   }
+  constexpr double kNearly = 1e-6;  // of a step
+  double goal = from_ + (n_ + 1.0) * step;
+  if (goal > end + kNearly * step)
+    throw std::runtime_error(
+        fmt::format("the simulation ends at {} s, before {} s; give it a later end_time", end, goal));
+  if (goal > end - kNearly * step) goal = end;
+  if (!run_) {
+    // What elements read may have changed since the mechanism was assembled.
+    AccelerationSolver(*started_.mechanism).solve(started_.state, started_.v_dot);
+    // Nobody asks for rows.
+    SolverOptions options = started_.options;
+    options.output_step = options.longest_step();
+    run_ = std::make_unique<GuidedRun>(*started_.mechanism, started_.state, started_.v_dot, options);
+  }
+  n_ += 1.0;
+  const bool goes_on = run_->go_to(goal);
+  started_.state = run_->state();
+  started_.v_dot = run_->accelerations();
+  energy_ = run_->energy();
+  if (!goes_on) throw std::runtime_error(run_->stopped_because());
 }
 
-void Simulation::run_until(double t) {
-  if (is_over_) return;
-  SolverOptions o = started_.options;
-  // A clean stop behind the rows that are asked for; the run that goes on from it is the same to the bit.
-  if (t < o.end_time * (1.0 - 1e-12)) o.stop_time = t * (1.0 + 1e-12);
-  RunCallbacks callbacks;
-  bool is_start = !continuation_;
-  callbacks.row = [&](const State& s, const Eigen::VectorXd& v_dot, const EnergyAccount& energy) {
-    if (!is_start) ahead_.push_back({s, v_dot, energy});
-    is_start = false;
-  };
-  RunResult result = continuation_ ? run(*started_.mechanism, *continuation_, o, callbacks)
-                                   : run(*started_.mechanism, started_.state, started_.v_dot, o, callbacks);
-  is_over_ = !result.stopped_as_told;
-  if (is_over_ && !result.complete) ended_because_ = result.stopped_because;
-  continuation_ = std::move(result.continuation);
+void Simulation::set_input(const std::string& name, double value) {
+  const std::vector<InputDescription>& inputs = started_.mechanism->description().inputs;
+  const auto input = std::ranges::find(inputs, name, &InputDescription::name);
+  if (input == inputs.end()) {
+    std::vector<std::string> names;
+    for (const InputDescription& one : inputs) names.push_back("\"" + one.name + "\"");
+    throw std::invalid_argument(fmt::format(
+        "there is no input \"{}\"; {}", name,
+        names.empty()
+            ? "declare it, MechanismBuilder::input() or [input." + name + "], and let formulas read it"
+            : fmt::format("there {} {}", names.size() == 1 ? "is" : "are", fmt::join(names, ", "))));
+  }
+  if (!std::isfinite(value))
+    throw std::invalid_argument(fmt::format("input \"{}\" is set to {}; give a finite number", name, value));
+  if (input->value->reads_time())
+    throw std::invalid_argument(fmt::format(
+        "input \"{}\" follows \"{}\", a formula of t, and cannot be set; declare it with a number, "
+        "and let what reads it add the formula",
+        name, input->value->text()));
+  const auto i = input - inputs.begin();
+  Eigen::VectorXd u = started_.state.u;
+  u(i) = value - started_.mechanism->input_value(static_cast<int>(i), time());
+  if (!run_) return assemble(*started_.mechanism, u);
+  run_->set_inputs(u);
+  started_.state.u = u;
+  AccelerationSolver(*started_.mechanism).solve(started_.state, started_.v_dot);
+}
+
+void Simulation::begin_anew() {
+  if (run_) run_->begin_anew();
 }
 
 double Simulation::output(const std::string& name) const {

@@ -1,14 +1,13 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <deque>
 #include <map>
-#include <optional>
+#include <memory>
 #include <string>
 
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/accuracy/integrator_kind.hpp"
-#include "mbs/solver/run/run.hpp"
+#include "mbs/solver/run/guided_run.hpp"
 #include "mbs/solver/start/start.hpp"
 
 namespace flexura::mbs {
@@ -19,19 +18,20 @@ struct SimulationOptions {
   double tolerance = 1e-6;  ///< relative error allowed in a step
   double end_time = 10.0;   ///< [s]; advance() goes no further, and steps are at most a tenth of it
   double max_step = 0.0;    ///< [s]; 0: a tenth of end_time
-  double fixed_step = 0.0;  ///< [s]; 0: variable
+  double fixed_step = 0.0;  ///< [s]; 0: variable; shorter where advance() ends
 };
 
-/// A mechanism in motion, row by row:
+/// A mechanism in motion, led by a loop of the program's own:
 ///
 ///     Simulation s(m, {.method = Method::radau, .tolerance = 1e-6});
 ///     while (s.time() < 1.0) {
+///       s.set_input("torque", law(s.output("main.angle")));
 ///       s.advance(0.01);
-///       use(s.state(), s.output("main.torque"));
 ///     }
 ///
-/// The integrator takes steps of its own; rows are brought onto the constraints to round-off, with the accelerations
-/// and multipliers of their state.
+/// The integrator takes steps of its own, the last of which ends where advance() does: what the program changes between two
+/// calls, by set_input() or in variables that its elements read, acts from that time on and not before.  The state is brought
+/// onto the constraints to round-off, with its accelerations and multipliers.
 class Simulation {
  public:
   /// Assembles the mechanism at t = 0 (`m` stays as it is).  Throws std::runtime_error where it cannot be assembled.
@@ -42,32 +42,35 @@ class Simulation {
   const Eigen::VectorXd& accelerations() const { return started_.v_dot; }  ///< n_v
   /// What the user should know of the start: rows that were left out, values that had to move, ...
   const std::vector<std::string>& notes() const { return started_.notes; }
-  /// Of every row so far.
+  /// Of the motion so far.
   const EnergyAccount& energy() const { return energy_; }
   const Mechanism& mechanism() const { return *started_.mechanism; }
 
-  /// Goes on by `step` [s], the same at each call or a multiple of the first.  Throws std::runtime_error where the
-  /// motion cannot go on: the state is then the last one that was reached.
+  /// Goes on by `step` [s].  Throws std::runtime_error where the motion cannot go on: the state is then the last one that
+  /// was reached.
   void advance(double step);
+
+  /// The input `name` has this value [SI] from the present time on.  Before the first advance() the mechanism is assembled
+  /// anew with it.  Throws std::invalid_argument for an input that is not there, follows a formula of t or gets no finite
+  /// number.  A drive that follows it cannot jump: the next advance() then throws.
+  void set_input(const std::string& name, double value);
+
+  /// For what the program changed so that no acceleration, rate of a state or switch shows it yet (a damper at rest); all
+  /// else is seen.  Without it the next steps take the change as a fast one.
+  void begin_anew();
 
   /// A quantity of the present state by its name (Mechanism::quantities()) [SI].  Throws std::invalid_argument.
   double output(const std::string& name) const;
 
  private:
-  struct Row {
-    State state;
-    Eigen::VectorXd v_dot;
-    EnergyAccount energy;
-  };
-  void run_until(double t);
+  void assemble(const Mechanism& m, const Eigen::VectorXd& u);
 
   StartedMechanism started_;
   std::unique_ptr<Equations::Scratch> scratch_;
-  std::optional<Continuation> continuation_;
-  std::deque<Row> ahead_;
   EnergyAccount energy_;
-  bool is_over_ = false;       ///< the run has come to its end
-  std::string ended_because_;  ///< before end_time; empty otherwise
+  std::unique_ptr<GuidedRun> run_;  ///< from the first advance() on
+  // The last steps, all of one length, begin at from_: their ends are sums of no rounded sums.
+  double from_ = 0.0, length_ = 0.0, n_ = 0.0;
   mutable std::map<std::string, int> places_;
 };
 

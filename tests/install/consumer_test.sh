@@ -23,13 +23,16 @@ block cmake 1 >"$work/page/CMakeLists.txt"
 block toml 1 >"$work/page/arm.toml"
 block cpp 1 >"$work/page/arm.cpp"
 block cpp 2 >"$work/page/reduce_arm.cpp"
+block toml 2 >"$work/page/cart.toml"
+block cpp 3 >"$work/page/loop.cpp"
+printf 'add_executable(loop loop.cpp)\ntarget_link_libraries(loop PRIVATE Flexura::mbs)\n' >>"$work/page/CMakeLists.txt"
 cd "$work/page"
 cmake -S . -B build -DCMAKE_PREFIX_PATH="$work/usr" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" -DCMAKE_BUILD_TYPE=Release >"$work/configure.log" ||
   { cat "$work/configure.log"; exit 1; }
 cmake --build build >"$work/build.log" || { cat "$work/build.log"; exit 1; }
 build/reduce_arm
-build/arm | tee printed.txt
-block text 1 | while read -r line; do
+{ build/arm && build/loop; } | tee printed.txt
+{ block text 1 && block text 2; } | while read -r line; do
   grep -qxF -- "$line" printed.txt || { echo "docs/howto/cpp.md shows \"$line\", which is not printed"; exit 1; }
 done
 cd "$here"

@@ -351,6 +351,7 @@ void GeneralisedAlpha::state_at(double t, State& s) {
   const double to_1 = x * x * (3.0 - 2.0 * x), rate_0 = h * x * y * y, rate_1 = -h * x * x * y;
   s.t = t;
   s.root = now_.s.root;
+  s.u = now_.s.u;
   unused_ = to_1 * d_before_ + rate_0 * before_.s.v + rate_1 * now_.s.v;
   s.p.resize(n_.n_p);
   eq_.retract(before_.s.p, unused_, s.p);

@@ -125,6 +125,7 @@ class RungeKutta final : public Integrator {
     const double theta = h_done_ > 0.0 ? (t - t_begin_) / h_done_ : 1.0, other = 1.0 - theta;
     error_ = dense_[0] + theta * (dense_[1] + other * (dense_[2] + theta * (dense_[3] + other * dense_[4])));
     s.root = state_.root;
+    s.u = state_.u;
     s.lambda = state_.lambda;
     s.a = state_.a;
     set(t, error_, s);

@@ -50,6 +50,7 @@ void StabilisedIndex2::unpack(double t, ConstVectorRef y, State& s) const {
   s.a = y.segment(at_a(), n_.n_alg);
   s.lambda = y.segment(at_lambda(), n_.n_lambda);
   s.root = s_.root;
+  s.u = s_.u;
 }
 
 bool StabilisedIndex2::residual(double t, ConstVectorRef y, ConstVectorRef yp, VectorRef out) {

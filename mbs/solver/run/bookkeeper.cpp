@@ -32,8 +32,7 @@ void Bookkeeper::work_off(BookEntry& entry) {
       enter_step(entry);
       break;
     case BookEntry::Kind::row:
-      close_row(entry.row.state);
-      closer_.accelerate(entry.row.state, entry.row.v_dot);
+      close_row(entry.row);
       if (row_) {
         const EnergyAccount account = book_.at_row(entry.row.state, entry.row.v_dot);
         show(entry.row.state, entry.row.v_dot);
@@ -93,21 +92,6 @@ void Bookkeeper::show(State& s, const Eigen::VectorXd& v_dot) {
   shown_.accelerate(s, same);
 }
 
-// Where the kept rows nearly depend on each other, closing them opens those left out; the integrator's polynomial keeps to all.
-void Bookkeeper::close_row(State& s) {
-  const State given = s;
-  RowWatch::Opening open = close(s);
-  if (open.contradicts(allowed_)) {
-    open = watch_.look(given);
-    if (std::max(open.left_out, open.kept) <= allowed_) {
-      s = given;
-      return;
-    }
-  }
-  if (open.contradicts(allowed_) || open.kept > allowed_)
-    throw IntegrationError(watch_.complaint(s.t, s.t, allowed_));
-}
-
 const RowWatch::Opening& Bookkeeper::close(State& s) {
   LoopCloser::Drift left = closer_.close(s);
   const RowWatch::Opening& open = watch_.look(s);
@@ -115,6 +99,20 @@ const RowWatch::Opening& Bookkeeper::close(State& s) {
   left.velocity = std::max(left.velocity, open.drift_rate);
   note(left);
   return open;
+}
+
+// Where the kept rows nearly depend on each other, closing them opens those left out; the integrator's polynomial keeps to all.
+void Bookkeeper::close_row(Instant& row) {
+  const State given = row.state;
+  RowWatch::Opening open = close(row.state);
+  if (open.contradicts(allowed_)) {
+    row.state = given;
+    open = watch_.look(given);
+  }
+  // RowWatch::allowed() is that of rows which Newton's method closed to the run's tolerance, as the polynomial is.
+  if (std::max(open.left_out, open.kept) > allowed_)
+    throw IntegrationError(watch_.complaint(given.t, given.t, allowed_));
+  closer_.accelerate(row.state, row.v_dot);
 }
 
 void Bookkeeper::drain_what_can_be() noexcept {

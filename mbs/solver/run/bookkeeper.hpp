@@ -62,10 +62,11 @@ class Bookkeeper {
   void show(State& s, const Eigen::VectorXd& v_dot);
   /// Closes the loops of s, notes what is left open, of rows left out as redundant, too, and returns it.
   const RowWatch::Opening& close(State& s);
+  /// A state to give away, with accelerations and multipliers of its own.  Throws IntegrationError where it stays off its constraints.
+  void close_row(Instant& row);
 
  private:
   void work_off(BookEntry& entry);
-  void close_row(State& s);
   void enter_step(BookEntry& entry);
 
   EnergyBook book_;

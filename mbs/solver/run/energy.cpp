@@ -80,6 +80,7 @@ void EnergyBook::interpolate(const Instant& begin, const std::array<Instant, 3>&
   for (const auto y : {&State::p, &State::v, &State::c, &State::lambda, &State::a}) mix(y);
   at.state.t = begin.state.t + x * (nodes[2].state.t - begin.state.t);
   at.state.root = nodes[0].state.root;
+  at.state.u = nodes[0].state.u;
   at.v_dot = N[0] * begin.v_dot + N[1] * nodes[0].v_dot + N[2] * nodes[1].v_dot + N[3] * nodes[2].v_dot;
 }
 

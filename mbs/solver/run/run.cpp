@@ -54,13 +54,17 @@ void Runner::start_integrator() {
 // What is due at this very time is passed before the next step.
 void Runner::look_ahead() {
   while ((stop_ = times_.next(result_.state.t)).is_due && result_.state.t < options_.end_time) pass_event();
+  if (stop_.t > goal_) {
+    stop_ = {};
+    stop_.t = goal_;
+  }
   stop_.t = std::min(stop_.t, options_.end_time);
   if (const double reach = leaps_.reach(); reach > 0.0 && result_.state.t + reach < stop_.t) {
     stop_ = {};
     stop_.t = result_.state.t + reach;
     return;
   }
-  if (!stop_.is_event && stop_.t < options_.end_time) bounds_.count(result_.state.t);
+  if (!stop_.is_event && stop_.t < std::min(goal_, options_.end_time)) bounds_.count(result_.state.t);
 }
 
 // Behind it, where all that is a function of time has its new value: the state is that before, velocities that
@@ -68,27 +72,37 @@ void Runner::look_ahead() {
 void Runner::pass_event() {
   times_.pass(stop_);
   books_.drain();
-  State& s = result_.state;
-  if (keeps_book_) books_.close(s);
-  Eigen::VectorXd before(n_.n_root), after(n_.n_root), g_before(n_.n_lambda), g_after(n_.n_lambda);
-  eq_.roots(s, *scratch_, before);
-  eq_.position_constraints(s, s.p, *scratch_, g_before);
-  s.t = std::min(stop_.after, options_.end_time);
-  eq_.position_constraints(s, s.p, *scratch_, g_after);
+  if (keeps_book_) books_.close(result_.state);
+  Sight before;
+  see_levels(before);
+  result_.state.t = std::min(stop_.after, options_.end_time);
+  ++result_.time_events;
+  events_.count(result_.state.t);
+  pass_jump(before, "step(t, t_0, y_0, t_1, y_1)");
+}
+
+void Runner::see_levels(Sight& sight) {
+  sight.roots.resize(n_.n_root);
+  sight.g.resize(n_.n_lambda);
+  eq_.roots(result_.state, *scratch_, sight.roots);
+  eq_.position_constraints(result_.state, result_.state.p, *scratch_, sight.g);
+}
+
+// Of all that acts, by what is not the state.
+void Runner::pass_jump(const Sight& before, const char* remedy) {
+  const State& s = result_.state;
+  Sight after;
+  see_levels(after);
   for (int k = 0; k < n_.n_lambda; ++k)
-    if (const double jump = g_after(k) - g_before(k); std::abs(jump) > 1e-9)
+    if (const double jump = after.g(k) - before.g(k); std::abs(jump) > 1e-9)
       throw IntegrationError(
           fmt::format("what \"{}\" prescribes jumps by {:.3g} (m or rad) at t = {:.9g} s, and no position "
                       "can: lead it over "
-                      "with step(t, t_0, y_0, t_1, y_1)",
-                      eq_.name_of_constraint(k), -jump, s.t));
-  eq_.roots(s, *scratch_, after);
+                      "with {}",
+                      eq_.name_of_constraint(k), -jump, s.t, remedy));
   std::vector<int> roots;
   for (int k = 0; k < n_.n_root; ++k)
-    if (before(k) >= 0.0 && after(k) < 0.0 && before(k) - after(k) > 1e-9 * (std::abs(before(k)) - after(k)))
-      roots.push_back(k);
-  ++result_.time_events;
-  events_.count(s.t);
+    if (before.roots(k) >= 0.0 && after.roots(k) < 0.0) roots.push_back(k);
   if (roots.empty())
     start_anew();
   else
@@ -225,47 +239,45 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
         fmt::format("max_steps = {} are used up at t = {:.9g} s", options_.max_steps, end.t_end);
     return false;
   }
-  return result_.state.t < options_.end_time;
+  return is_on_its_way();
 }
 
-RunResult Runner::run() {
+void Runner::open() {
   begin_ = std::chrono::steady_clock::now();
   events_.begin(result_.state.t);
   bounds_.begin(result_.state.t);
   rows_.times().pass_looks(result_.state.t);
-  bool is_lock = false;
   contradictions_.begin(result_.state);
   books_.begin(result_.state);
+  if (!resumed_) {
+    if (!keeps_book_) {
+      // The first row is an equilibrium too.
+      integrator_->start(result_.state, result_.v_dot);
+      integrator_->interpolate(options_.start_time, result_.state, result_.v_dot);
+    } else if (n_.n_root > 0) {
+      const std::vector<int> before = result_.state.root;
+      eq_.hold_conditions(result_.state, *scratch_);
+      if (result_.state.root != before) accelerations_.solve(result_.state, result_.v_dot);
+    }
+    books_.book().start(result_.state, result_.v_dot);
+    rows_.give(result_.state, result_.v_dot);
+  }
+  if (!(options_.end_time > result_.state.t)) return;
+  if (!resumed_ && is_watched_ && stands_still(eq_, options_, result_.state, *scratch_)) {
+    change_method("kinematics", "nothing is free to move, the constraints hold all of it");
+  } else if (!resumed_ && keeps_book_) {
+    start_integrator();
+  }
+  pace_watch_.change(result_.state.t);
+}
+
+// What ends a run cleanly is its reason to stop.
+void Runner::stop_where_thrown(const std::function<void()>& what) {
   try {
-    if (!resumed_) {
-      if (!keeps_book_) {
-        // The first row is an equilibrium too.
-        integrator_->start(result_.state, result_.v_dot);
-        integrator_->interpolate(options_.start_time, result_.state, result_.v_dot);
-      } else if (n_.n_root > 0) {
-        const std::vector<int> before = result_.state.root;
-        eq_.hold_conditions(result_.state, *scratch_);
-        if (result_.state.root != before) accelerations_.solve(result_.state, result_.v_dot);
-      }
-      books_.book().start(result_.state, result_.v_dot);
-      rows_.give(result_.state, result_.v_dot);
-    }
-    if (options_.end_time > result_.state.t) {
-      if (!resumed_ && is_watched_ && stands_still(eq_, options_, result_.state, *scratch_)) {
-        change_method("kinematics", "nothing is free to move, the constraints hold all of it");
-      } else if (!resumed_ && keeps_book_) {
-        start_integrator();
-      }
-      pace_watch_.change(result_.state.t);
-      while (step_once())
-        if (has_history_ && remembering_.wanted && remembering_.wanted()) hand_out_memory();
-      if (has_history_ && !result_.stopped_because.empty() && remembering_.take && remembering_.at_the_end)
-        hand_out_memory();
-    }
-    result_.complete = result_.stopped_because.empty();
+    what();
   } catch (const IntegrationError& e) {
     result_.stopped_because = with_rank_loss(eq_, result_.state, e.what());
-    is_lock = result_.stopped_because != e.what();
+    is_lock_ = result_.stopped_because != e.what();
   } catch (const AssemblyError& e) {
     result_.stopped_because = e.what();
   } catch (const NonFiniteError& e) {
@@ -276,6 +288,18 @@ RunResult Runner::run() {
     books_.drain_what_can_be();  // rows before the trouble are worth keeping
     throw;
   }
+}
+
+RunResult Runner::run() {
+  stop_where_thrown([&] {
+    open();
+    if (!(options_.end_time > result_.state.t)) return;
+    while (step_once())
+      if (has_history_ && remembering_.wanted && remembering_.wanted()) hand_out_memory();
+    if (has_history_ && !result_.stopped_because.empty() && remembering_.take && remembering_.at_the_end)
+      hand_out_memory();
+  });
+  result_.complete = result_.stopped_because.empty();
   remember();
   books_.show(result_.state, result_.v_dot);
   result_.counts = counts();
@@ -283,7 +307,7 @@ RunResult Runner::run() {
   if (result_.method_changes.empty()) result_.method_hint = method_watch_.hint(options_.method);
   result_.energy = books_.book().account();
   const Bookkeeper::Peaks& peaks = books_.peaks();
-  if (keeps_book_ && !is_lock)
+  if (keeps_book_ && !is_lock_)
     result_.near_rank_loss =
         near_rank_loss(eq_, books_.closer().nearness(), books_.watch().misfit(), options_.tolerance);
   result_.largest_energy_error = std::max(before_.largest_energy_error, peaks.energy_error);

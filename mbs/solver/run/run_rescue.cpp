@@ -229,7 +229,7 @@ bool Runner::leap(const Instant& from, bool& goes_on) {
   };
   if (!goes([&] { hopper_->start(s, v_dot); })) return false;
   bool came_on = false;
-  for (int k = 0; k < 4 && result_.state.t < options_.end_time; ++k) {
+  for (int k = 0; k < 4 && is_on_its_way(); ++k) {
     const long passed = result_.time_events;
     if (k > 0) look_ahead();
     if (result_.time_events > passed) return true;

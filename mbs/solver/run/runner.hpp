@@ -1,7 +1,11 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,7 +29,8 @@
 namespace flexura::mbs {
 
 /// One run under way (run.hpp, run_memory.hpp): its steps, rows and events in run.cpp, what is done where an
-/// integrator does not come on in run_rescue.cpp, what it remembers and goes on from in run_memory.cpp.
+/// integrator does not come on in run_rescue.cpp, what it remembers and goes on from in run_memory.cpp,
+/// how it is led from outside in guided_run.cpp.
 class Runner {
  public:
   Runner(const Equations& eq, const State& start, const Eigen::VectorXd& v_dot, const SolverOptions& options,
@@ -63,7 +68,37 @@ class Runner {
   void resume(const RunMemory& from);
   RunResult run();
 
+  // Led from outside (guided_run.hpp).
+  /// Steps until t, the last one ends there; false where the run has stopped before (stopped_because()).
+  bool go_to(double t);
+  /// Inputs have these values added from the present time on.
+  void set_inputs(const Eigen::VectorXd& u) { inputs_ = u; }
+  void begin_anew() { is_to_begin_anew_ = true; }
+  double time() const { return result_.state.t; }
+  Instant shown();
+  EnergyAccount account(const Instant& at) { return books_.book().at_row(at.state, at.v_dot); }
+  const std::string& stopped_because() const { return result_.stopped_because; }
+  const std::vector<std::string>& method_changes() const { return result_.method_changes; }
+
  private:
+  // What shows at one state that something acts in another way than before.
+  struct Sight {
+    Eigen::VectorXd roots, g, v_dot, c_rate;
+  };
+  void open();
+  void stop_where_thrown(const std::function<void()>& what);
+  bool is_on_its_way() const {
+    // What is left is too little for a step.
+    const double close =
+        16.0 * std::numeric_limits<double>::epsilon() *
+        std::max(std::abs(result_.state.t), 1e-3 * (options_.end_time - options_.start_time));
+    return result_.state.t < options_.end_time && goal_ - result_.state.t > close;
+  }
+  void see_levels(Sight& sight);
+  void see(Sight& sight);
+  bool differs(const Sight& now) const;
+  void take_changes();
+  void pass_jump(const Sight& before, const char* remedy);
   void remember();
   void hand_out_memory();
   StepCounts counts() const;
@@ -117,6 +152,12 @@ class Runner {
   KnownTimes times_;
   KnownTimes::Stop stop_;      // of the step under way
   StopLimit events_, bounds_;  // known beforehand
+  double goal_ = std::numeric_limits<double>::infinity();
+  bool is_open_ = false, is_lock_ = false;
+  // Led from outside: what was seen where the run stands, and the inputs from there on.
+  Sight seen_;
+  Eigen::VectorXd inputs_;
+  bool is_to_begin_anew_ = false;
   LongSteps long_steps_;
   bool resumed_ = false;
   // The integrator has taken a step since its last start; between the two it has no history yet.
