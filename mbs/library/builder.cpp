@@ -9,6 +9,14 @@
 #include "mbs/mechanism/description/body_faults.hpp"
 
 namespace flexura::mbs {
+
+template <int alignment, bool malloc_is_aligned, bool debugs_containers>
+bool is_compiled_as_the_library() {
+  return true;
+}
+template bool
+is_compiled_as_the_library<EIGEN_MAX_ALIGN_BYTES, EIGEN_MALLOC_ALREADY_ALIGNED != 0, same_layout::kDebugs>();
+
 namespace {
 
 void require_finite(const std::string& what, double value) {

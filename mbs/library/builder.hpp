@@ -11,6 +11,7 @@
 
 #include "mbs/bodies/modal_body.hpp"
 #include "mbs/formulas/expression.hpp"
+#include "mbs/library/same_layout.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 
 /// Mechanisms in C++, without a file:

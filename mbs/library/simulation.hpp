@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "mbs/library/same_layout.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/accuracy/integrator_kind.hpp"
 #include "mbs/solver/run/guided_run.hpp"

@@ -94,7 +94,7 @@ struct UserElements {
 /// out are Eigen and the standard library: g++ and clang use the same one, and the same binary interface.
 #define FLEXURA_INTERFACE                                                                                       \
   "5, libstdc++ " FLEXURA_TEXT(_GLIBCXX_RELEASE) ", Eigen " FLEXURA_TEXT(EIGEN_WORLD_VERSION) "." FLEXURA_TEXT( \
-      EIGEN_MAJOR_VERSION) ", alignment " FLEXURA_TEXT(EIGEN_MAX_ALIGN_BYTES)
+      EIGEN_MAJOR_VERSION) ", alignment " FLEXURA_TEXT(EIGEN_MAX_ALIGN_BYTES) ", malloc " FLEXURA_TEXT(EIGEN_MALLOC_ALREADY_ALIGNED)
 
 #define FLEXURA_ELEMENTS(elements)             \
   extern "C" const char* flexura_interface() { \

@@ -11,6 +11,11 @@ cmake -S "$work/consumer" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/usr" -DCMA
   { cat "$work/configure.log"; exit 1; }
 cmake --build "$work/build" >"$work/build.log" || { cat "$work/build.log"; exit 1; }
 "$work/build/consumer"
+"$work/build/native"
+# Who goes past the package with another alignment is stopped by the linker, whatever the machine.
+if "$compiler" -std=c++20 -DEIGEN_MAX_ALIGN_BYTES=64 -I "$work/usr/include/flexura" -isystem /usr/include/eigen3 "$work/consumer/main.cpp" \
+  -o "$work/unlike" "$work/usr/lib/flexura/libflexura_library.a" >"$work/unlike.log" 2>&1; then echo "a program of another alignment is linked"; exit 1; fi
+grep -q 'is_compiled_as_the_library<64' "$work/unlike.log" || { tail -20 "$work/unlike.log"; exit 1; }
 cmake -S "$work/consumer" -B "$work/reduction" -DWITH_REDUCTION=ON -DCMAKE_PREFIX_PATH="$work/usr" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Release >"$work/configure.log" ||
   { cat "$work/configure.log"; exit 1; }
 cmake --build "$work/reduction" >"$work/build.log" || { cat "$work/build.log"; exit 1; }

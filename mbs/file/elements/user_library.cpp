@@ -33,10 +33,13 @@ class Library {
       s.refuse("library", "has no FLEXURA_ELEMENTS", "mbs/mechanism/user_element.hpp says how it is written");
     const char* const version = interface();
     if (version == nullptr || std::string_view(version) != FLEXURA_INTERFACE)
-      s.refuse("library",
-               fmt::format("is compiled for the interface {}, this program has {}",
-                           version == nullptr ? "\"\"" : input::shown_text(version, 40), FLEXURA_INTERFACE),
-               "compile it again");
+      s.refuse(
+          "library",
+          fmt::format("is compiled for the interface {}, this program has {}",
+                      version == nullptr ? "\"\"" : input::shown_text(version, 60), FLEXURA_INTERFACE),
+          fmt::format("compile it again, without -march=native or -mavx, or with -DEIGEN_MAX_ALIGN_BYTES={} "
+                      "-DEIGEN_MALLOC_ALREADY_ALIGNED={}",
+                      EIGEN_MAX_ALIGN_BYTES, EIGEN_MALLOC_ALREADY_ALIGNED));
     try {
       fill(elements_);
     } catch (...) {
