@@ -80,7 +80,10 @@ void Simulation::advance(double step) {
     run_ = std::make_unique<GuidedRun>(*started_.mechanism, started_.state, started_.v_dot, options);
   }
   n_ += 1.0;
+  const std::size_t changes = run_->method_changes().size();
   const bool goes_on = run_->go_to(goal);
+  for (std::size_t i = changes; i < run_->method_changes().size(); ++i)
+    started_.notes.push_back("method changed " + run_->method_changes()[i]);
   started_.state = run_->state();
   started_.v_dot = run_->accelerations();
   energy_ = run_->energy();

@@ -41,7 +41,7 @@ class Simulation {
   double time() const { return started_.state.t; }
   const State& state() const { return started_.state; }
   const Eigen::VectorXd& accelerations() const { return started_.v_dot; }  ///< n_v
-  /// What the user should know of the start: rows that were left out, values that had to move, ...
+  /// What the user should know: of the start rows that were left out, values that had to move, ..., then changes of the method.
   const std::vector<std::string>& notes() const { return started_.notes; }
   /// Of the motion so far.
   const EnergyAccount& energy() const { return energy_; }

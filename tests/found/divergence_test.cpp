@@ -49,11 +49,11 @@ TEST(Divergence, ADriveThatLeavesTheNumbersEndsTheRun) {
   folder.write("spin.toml",
                "[body.a]\nmass = 1\ninertia = [1, 1, 1]\n[joint.j]\ntype = \"revolute\"\nfrom = "
                "\"ground\"\nto = \"a\"\ndrive_speed = \"exp(1e6*t)\"\n[solver]\nend_time = "
-               "0.0004\noutput_step = 0.00002\n");
+               "0.0004\noutput_step = 1e-6\n");
   const Outcome outcome = simulate(folder, "spin.toml");
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("beyond all numbers"));
-  expect_kept(folder, "beyond all numbers");
+  EXPECT_THAT(outcome.err, HasSubstr("grows without bound"));
+  expect_kept(folder, "grows without bound");
 }
 
 // Kane's beam spun past its first clamped frequency, one-way: 7e22 m after 19 s.

@@ -33,7 +33,9 @@ input::TableSchema solver_schema() {
           "without it radau where "
           "bodies deform (superelements, ancf), ida otherwise, and the run changes between these two where "
           "one of them stops or the other is three times as fast, which it looks at after 1000 steps (250 of "
-          "more than 100 unknowns), 4000, 16000 ...; it says so at the end"));
+          "more than 100 unknowns), 4000, 16000 ..., and to radau where twenty events (samples of a "
+          "controller) "
+          "leave ida fewer than 40 steps from one to the next; it says so at the end"));
   schema.keys.push_back(
       in::quantity("start_time", in::dim::time, "time at which the run begins").or_default("0 s"));
   schema.keys.push_back(

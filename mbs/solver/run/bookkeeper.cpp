@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/solver/run/bookkeeper.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +12,8 @@ namespace flexura::mbs {
 
 Bookkeeper::Bookkeeper(const Equations& eq, const Equations& given, const SolverOptions& options, Row row,
                        Look look, Step step, bool beside)
-    : book_(eq, options.tolerance),
+    : eq_(eq),
+      book_(eq, options.tolerance),
       closer_(eq, options),
       shown_(given, options),
       watch_(eq),
@@ -48,11 +51,32 @@ void Bookkeeper::work_off(BookEntry& entry) {
     case BookEntry::Kind::end:
       book_.close_step();
       peaks_.energy_error = std::max(peaks_.energy_error, std::abs(book_.account().error()));
+      watch_growth(t_end_);
       break;
   }
 }
 
+// Rows may lie too far apart: a sampled loop whose gain is too high grows by 80 and more within one period, and has wheels
+// turn so fast that steps from one row to the next would never end.
+void Bookkeeper::watch_growth(double t) {
+  if (travelled_.size() == 0) return;
+  Eigen::Index farthest = 0;
+  const double travel = travelled_.cwiseAbs().maxCoeff(&farthest);
+  growth_.observe(t, book_.account().now.kinetic, travel, 0.0);
+  if (!growth_.reason().empty())
+    throw IntegrationError(fmt::format("{} (\"{}\" goes farthest)", growth_.reason(),
+                                       eq_.name_of_velocity(static_cast<int>(farthest))));
+}
+
 void Bookkeeper::enter_step(BookEntry& entry) {
+  const auto& [first, second, last] = entry.nodes;
+  if (travelled_.size() == 0) travelled_.setZero(last.state.v.size());
+  // Between Gauss' points and these nodes it makes no difference here.
+  const double h = (second.state.t - first.state.t) * std::sqrt(5.0);
+  for (Eigen::Index i = 0; i < travelled_.size(); ++i)
+    travelled_(i) +=
+        0.5 * h * (first.state.v(i) + second.state.v(i)) / eq_.velocity_scale(static_cast<int>(i));
+  t_end_ = entry.t_end;
   if (step_ && has_other_rows_) {
     Instant begin = entry.begin;
     std::array<Instant, 3> nodes = entry.nodes;

@@ -8,6 +8,7 @@
 #include "mbs/solver/position/projection.hpp"
 #include "mbs/solver/position/row_watch.hpp"
 #include "mbs/solver/run/energy.hpp"
+#include "mbs/solver/run/growth.hpp"
 
 /// What a run makes of the steps that its integrator took: the energy book and the rows, on their constraints
 /// to round-off.  Nothing of it enters the next steps, so it may be done beside them.
@@ -68,7 +69,9 @@ class Bookkeeper {
  private:
   void work_off(BookEntry& entry);
   void enter_step(BookEntry& entry);
+  void watch_growth(double t);
 
+  const Equations& eq_;
   EnergyBook book_;
   LoopCloser closer_, shown_;
   RowWatch watch_;
@@ -79,6 +82,9 @@ class Bookkeeper {
   Step step_;
   Peaks peaks_;
   Instant between_;
+  GrowthWatch growth_;
+  double t_end_ = 0.0;         // of the step last entered
+  Eigen::VectorXd travelled_;  // by every speed, in its typical size
   BackgroundQueue<BookEntry> entries_;
 };
 

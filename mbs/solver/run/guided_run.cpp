@@ -105,6 +105,10 @@ void GuidedRun::begin_anew() {
   runner_->begin_anew();
 }
 
+const std::vector<std::string>& GuidedRun::method_changes() const {
+  return runner_->method_changes();
+}
+
 const std::string& GuidedRun::stopped_because() const {
   return runner_->stopped_because();
 }

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "mbs/equations/equations.hpp"
 #include "mbs/solver/accuracy/options.hpp"
@@ -37,6 +38,8 @@ class GuidedRun {
   const Eigen::VectorXd& accelerations() const { return now_.v_dot; }
   const EnergyAccount& energy() const { return energy_; }
   const std::string& stopped_because() const;
+  /// One sentence for each, where the method was left open.
+  const std::vector<std::string>& method_changes() const;
 
  private:
   std::unique_ptr<Runner> runner_;

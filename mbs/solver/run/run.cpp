@@ -36,6 +36,7 @@ void Runner::start_anew() {
   accelerations_.solve(s, result_.v_dot);
   books_.book().jump(s, result_.v_dot);
   start_integrator();
+  method_watch_.restart(s.t);
   long_steps_.forget_beginnings();
 }
 
@@ -144,6 +145,7 @@ bool Runner::step_once() {
   if (is_watched_ && method_watch_.step(options_.method, end.t_end, integrator_->counts()) &&
       (goes_on || result_.stopped_as_told))
     watch_method();
+  if (is_watched_ && goes_on) prefer_method_for_events();
   if (is_watched_ && goes_on && pace_watch_.step(end.t_end)) refuse_creeping();
   return goes_on;
 }

@@ -69,9 +69,20 @@ void Runner::watch_method() {
   State s = result_.state;
   Eigen::VectorXd v_dot = result_.v_dot;
   if (!start_again(s, v_dot)) return;
-  const std::string method = method_watch_.look(options_.method, s, v_dot);
+  const KnownTimes::Stop next = times_.next(s.t);
+  const double until = next.is_event ? std::min(next.t, options_.end_time) : options_.end_time;
+  const std::string method = method_watch_.look(options_.method, s, v_dot, until);
   if (!method.empty())
     change_method(method, fmt::format("it is about {:.0f} times as fast there", method_watch_.last_gain()));
+}
+
+void Runner::prefer_method_for_events() {
+  const std::string method = method_watch_.for_events(options_.method);
+  if (method.empty() || result_.method_changes.size() >= kMostChanges) return;
+  change_method(
+      method,
+      fmt::format("events follow one another every {:.3g} s, where it takes fewer steps from one to the next",
+                  method_watch_.between_events()));
 }
 
 // The windows of steps that just crept: soon where rows lose rank there, else when nothing has changed for a while.

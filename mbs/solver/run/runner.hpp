@@ -122,6 +122,7 @@ class Runner {
   void remember_rows(History& history);
   bool start_again(State& s, Eigen::VectorXd& v_dot);
   void watch_method();
+  void prefer_method_for_events();
   void refuse_creeping() const;
   bool change_after(const IntegrationError& reason);
   void change_method(const std::string& method, const std::string& why);

@@ -23,6 +23,10 @@ constexpr double kShare = 0.04, kShareToName = 0.015;
 constexpr double kWorthwhile = 0.25;
 // A method is changed, and another one named, from these factors on: the count of work is good to two.
 constexpr double kChange = 3.0, kName = 5.0;
+// Events that are counted, and steps between two of them from which on IDA is at its full order most of the time: from order
+// one it takes some 20 steps to get there. Radau takes four a millisecond of a sampled controller where IDA takes 20, half
+// the time.
+constexpr long kEvents = 20, kStepsBetween = 40;
 
 }  // namespace
 
@@ -67,7 +71,7 @@ bool MethodWatch::step(const std::string& method, double t, const StepCounts& co
 }
 
 double MethodWatch::pace_of(const std::string& method, const State& s, const Eigen::VectorXd& v_dot,
-                            double budget) const {
+                            double budget, double until) const {
   SolverOptions options = options_;
   options.method = method;
   options.fixed_step = options.first_step = 0.0;
@@ -75,8 +79,8 @@ double MethodWatch::pace_of(const std::string& method, const State& s, const Eig
   try {
     const std::unique_ptr<Integrator> integrator = make_integrator(eq_, options);
     integrator->start(s, v_dot);
-    while (spent < budget && t < options.end_time) {
-      const StepEnd end = integrator->step(options.end_time);
+    while (spent < budget && t < until) {
+      const StepEnd end = integrator->step(until);
       t = end.t_end;
       spent = work(method, integrator->counts());
       if (half == 0.0 && spent > 0.5 * budget && spent < budget) {
@@ -91,7 +95,29 @@ double MethodWatch::pace_of(const std::string& method, const State& s, const Eig
   return spent > half ? (t - t_half) / (spent - half) : 0.0;
 }
 
-std::string MethodWatch::look(const std::string& method, const State& s, const Eigen::VectorXd& v_dot) {
+void MethodWatch::restart(double t) {
+  if (restarts_ == kEvents) {
+    between_events_ = (t - t_first_) / kEvents;
+    is_ruled_by_events_ = steps_ - steps_at_first_ < kEvents * kStepsBetween;
+    restarts_ = 0;
+  }
+  if (restarts_++ > 0) return;
+  t_first_ = t;
+  steps_at_first_ = steps_;
+}
+
+std::string MethodWatch::for_events(const std::string& method) {
+  // What needs many steps for its order has those that one step of order five counts for.
+  const auto is_of_many = [](const std::string& name) { return kind_of(name).steps_of_error > 1; };
+  if (!is_ruled_by_events_ || !options_.method_is_open || !is_of_many(method)) return {};
+  is_ruled_by_events_ = false;
+  for (const std::string& other : others_)
+    if (kind_of(other).is_for_all && !is_of_many(other)) return other;
+  return {};
+}
+
+std::string MethodWatch::look(const std::string& method, const State& s, const Eigen::VectorXd& v_dot,
+                              double until) {
   if (!(pace_ > 0.0)) return {};
   const double since = work_ - work_looked_;
   work_looked_ = work_;
@@ -104,7 +130,7 @@ std::string MethodWatch::look(const std::string& method, const State& s, const E
     double gain = 1.0;
     // For the methods that are only named the first look would be too short.
     if (other != method && (may_take_over || kind_of(other).is_for_all || steps_ > first_look_))
-      gain = pace_of(other, s, v_dot, (may_take_over ? kShare : kShareToName) * work_) / pace_;
+      gain = pace_of(other, s, v_dot, (may_take_over ? kShare : kShareToName) * work_, until) / pace_;
     work_of_others_[i] += since / std::max(gain, 1e-3);
     if (may_take_over && other != method && gain > best_gain) {
       best = other;
@@ -120,7 +146,9 @@ std::string MethodWatch::after_failure(const std::string& method, const State& s
   constexpr double kTrial = 500.0;  // evaluations: enough for a few steps of any method
   if (!options_.method_is_open) return {};
   for (const std::string& other : others_)
-    if (kind_of(other).is_for_all && other != method && pace_of(other, s, v_dot, kTrial) > 0.0) return other;
+    if (kind_of(other).is_for_all && other != method &&
+        pace_of(other, s, v_dot, kTrial, options_.end_time) > 0.0)
+      return other;
   return {};
 }
 
@@ -129,6 +157,8 @@ void MethodWatch::change() {
   next_look_ = first_look_;
   half_way_ = first_look_ / 2;
   work_ = counted_ = work_half_ = work_looked_ = 0.0;
+  restarts_ = steps_at_first_ = 0;
+  is_ruled_by_events_ = false;
 }
 
 std::string MethodWatch::hint(const std::string& method) const {
@@ -143,11 +173,12 @@ std::string MethodWatch::hint(const std::string& method) const {
 }
 
 void MethodWatch::remember(History& history) {
-  for (long* x : {&steps_, &next_look_, &half_way_}) history(*x);
-  for (double* x : {&work_, &t_half_, &work_half_, &work_looked_, &work_compared_}) history(*x);
+  for (long* x : {&steps_, &next_look_, &half_way_, &restarts_, &steps_at_first_}) history(*x);
+  for (double* x : {&work_, &t_half_, &work_half_, &work_looked_, &work_compared_, &t_first_}) history(*x);
   for (double& x : work_of_others_) history(x);
   if (!history.reads()) return;
-  for (const long x : {steps_, next_look_, half_way_}) require_between(x, 0, 1L << 48);
+  for (const long x : {steps_, next_look_, half_way_, restarts_, steps_at_first_})
+    require_between(x, 0, 1L << 48);
 }
 
 }  // namespace flexura::mbs

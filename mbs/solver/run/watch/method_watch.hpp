@@ -21,9 +21,16 @@ class MethodWatch {
   /// time to look.
   bool step(const std::string& method, double t, const StepCounts& counts);
 
-  /// Looks from the consistent state s with accelerations v_dot (n_v).  Returns the method to change to, or
-  /// an empty word where `method` may go on, as it may wherever the user chose it.
-  std::string look(const std::string& method, const State& s, const Eigen::VectorXd& v_dot);
+  /// Looks from the consistent state s with accelerations v_dot (n_v), no further than `until` [s], where the next known
+  /// event is.  Returns the method to change to, or an empty word where `method` may go on, as it may wherever the user chose it.
+  std::string look(const std::string& method, const State& s, const Eigen::VectorXd& v_dot, double until);
+
+  /// The integrator started anew at t, behind an event.
+  void restart(double t);
+  /// Where events follow one another so soon (samples of a controller) that `method`, which begins at order one, never
+  /// comes beyond: a method of full order in every step, else an empty word.
+  std::string for_events(const std::string& method);
+  double between_events() const { return between_events_; }  ///< on the average of the last ones [s]
 
   /// `method` failed at s: a method that comes on from there, or an empty word.
   std::string after_failure(const std::string& method, const State& s, const Eigen::VectorXd& v_dot);
@@ -44,8 +51,8 @@ class MethodWatch {
 
  private:
   double work(const std::string& method, const StepCounts& counts) const;
-  double pace_of(const std::string& method, const State& s, const Eigen::VectorXd& v_dot,
-                 double budget) const;
+  double pace_of(const std::string& method, const State& s, const Eigen::VectorXd& v_dot, double budget,
+                 double until) const;
 
   const Equations& eq_;
   SolverOptions options_;
@@ -58,6 +65,9 @@ class MethodWatch {
   std::vector<std::string> others_;
   std::vector<double> work_of_others_;  // for what was looked at so far
   double work_compared_ = 0.0;
+  long restarts_ = 0, steps_at_first_ = 0;  // of the events that are being counted
+  double t_first_ = 0.0, between_events_ = 0.0;
+  bool is_ruled_by_events_ = false;
 };
 
 }  // namespace flexura::mbs
