@@ -102,6 +102,77 @@ position = {}
   }
 }
 
+// A drive of speed whose states come to rest by themselves, or by what hangs on its carriage, does so wherever it stands: it stays.
+// Those that go on have no equilibrium.
+TEST(Rest, DrivesThatNothingLeadsToAPlaceStayWhereTheyAre) {
+  const test::Folder folder;
+  for (int seed = 0; seed < 200; ++seed) {
+    Chance chance(static_cast<std::uint64_t>(seed) + 1);
+    const double start = chance.either_sign(0.1, 2.0), mass = chance.between(0.2, 3.0),
+                 length = chance.between(0.2, 2.0), leans = chance.either_sign(0.1, 1.0),
+                 gain = chance.either_sign(0.5, 5.0), lag = chance.between(0.05, 0.5);
+    const double goes_on = chance.flip(0.3) ? chance.either_sign(0.1, 1.0) : 0.0;
+    const int kind = chance.below(4);
+    const std::string drives[] = {
+        fmt::format(
+            "drive_speed = \"c\"\n[control.c]\ntype = \"filter\"\ninput = \"{}\"\ntime_constant = {}\n",
+            goes_on, lag),
+        fmt::format(
+            "drive_speed = \"{}*c + {}*sin(c)\"\n[control.c]\ntype = \"transfer_function\"\ninput = \"{}\"\n"
+            "numerator = [1]\ndenominator = [1, {}, 0.05]\n",
+            std::abs(gain), std::abs(gain), goes_on, lag),
+        fmt::format("drive_speed = \"c\"\n[control.c]\ntype = \"state\"\nrate = \"{}*(r.angle - {:.17g} + "
+                    "{}) - c\"\n",
+                    gain, leans, goes_on),
+        fmt::format("drive_acceleration = \"{}*(r.angle - {:.17g} + {}) - {}*j.speed\"\n", gain, leans,
+                    goes_on, lag)};
+    std::string text = fmt::format(
+        R"(
+[ground.marker.m]
+axis = [1, 0, 0]
+[body.a]
+mass = 1
+inertia = [0.1, 0.1, 0.1]
+[body.a.marker.m]
+axis = [1, 0, 0]
+[body.a.marker.p]
+axis = [0, 1, 0]
+[body.b]
+mass = {}
+center = [0, 0, {}]
+inertia = [0.1, 0.1, 0.1]
+[body.b.marker.p]
+axis = [0, 1, 0]
+[joint.r]
+type = "revolute"
+from = "a.p"
+to = "b.p"
+[force.t]
+type = "joint_force"
+joint = "r"
+value = {:.17g}
+[joint.j]
+type = "prismatic"
+from = "ground.m"
+to = "a.m"
+position = {}
+{})",
+        mass, -length, mass * 9.81 * length * std::sin(leans), start, drives[kind]);
+    text = "gravity = [0, 0, -9.81]\n" + text;
+    if (chance.flip(0.5))
+      text += fmt::format("[force.s]\ntype = \"joint_spring_damper\"\njoint = \"j\"\nstiffness = {}\n",
+                          chance.between(10.0, 1000.0));
+    mbs::PreparedMechanism p = mbs::prepare(folder.write("carriage.toml", text));
+    if (goes_on != 0.0) {
+      EXPECT_THROW(mbs::find_equilibrium(*p.mechanism, p.state), std::runtime_error) << seed << text;
+      continue;
+    }
+    ASSERT_NO_THROW(mbs::find_equilibrium(*p.mechanism, p.state)) << seed << text;
+    EXPECT_NEAR(position(p, "j.position"), start, 1e-9) << seed << text;
+    EXPECT_NEAR(position(p, "r.angle"), leans, 1e-9) << seed << text;
+  }
+}
+
 // Nothing is said of the start: joints stand at 0, however their markers are turned, wherever the file is placed.
 TEST(Rest, SubsystemsStartAsByThemselves) {
   const test::Folder folder;

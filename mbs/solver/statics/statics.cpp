@@ -60,6 +60,28 @@ bool is_definite(const Eigen::MatrixXd& H) {
   return Eigen::LLT<Eigen::MatrixXd>(S).info() == Eigen::Success;
 }
 
+// Which of the rows of G forbid what J x = 0 leaves free.
+std::vector<int> rows_of_free_places(const Eigen::MatrixXd& J, const Eigen::MatrixXd& G,
+                                     const std::vector<int>& which) {
+  // Rows, then columns of one size: neither stiffness nor the gain of a drive is to decide.
+  const auto inverse = [](const Eigen::VectorXd& norms) -> Eigen::VectorXd {
+    return (norms.array() > 0.0).select(norms.cwiseInverse(), 1.0);
+  };
+  Eigen::MatrixXd E = inverse(J.rowwise().norm()).asDiagonal() * J;
+  const Eigen::VectorXd of_columns = inverse(E.colwise().norm());
+  E = E * of_columns.asDiagonal();
+  Eigen::FullPivLU<Eigen::MatrixXd> lu(E);
+  lu.setThreshold(1e-12);
+  if (lu.isInvertible()) return {};
+  const Eigen::MatrixXd free = lu.kernel().colwise().normalized().topRows(G.cols());
+  const Eigen::MatrixXd moves = G * of_columns.head(G.cols()).asDiagonal() * free;
+  const Eigen::VectorXd size = G.cwiseAbs() * of_columns.head(G.cols());
+  std::vector<int> rows;
+  for (const int k : which)
+    if (moves.row(k).cwiseAbs().maxCoeff() > 1e-6 * size(k)) rows.push_back(k);
+  return rows;
+}
+
 // Shifts of K, the least shift being `floor` times the stiffest direction.
 struct Shifts {
   const Eigen::MatrixXd &K, &G;
@@ -111,8 +133,8 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
   Eigen::VectorXd F(n_z + n_l), x, scale = Eigen::VectorXd::Ones(n_z + n_l), size_v(n_v), g(n_l);
   for (int i = 0; i < n_v; ++i) size_v(i) = eq.velocity_scale(i);
   StaticsReport report;
-  // Rows of speeds say what the drive does at rest: nothing, where it follows states that have come to it.
-  std::vector<int> of_speeds;
+  // Rows of speeds, and those of them that follow states or the motion, whose drive does nothing at rest.
+  std::vector<int> of_speeds, following;
   for (int k = 0; k < n_l; ++k)
     if (!eq.is_holonomic(k)) of_speeds.push_back(k);
   Eigen::VectorXd g_dot(n_l), load = Eigen::VectorXd::Zero(n_v);
@@ -125,12 +147,8 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       out.head(n_z) = options.load * out.head(n_z) + (1.0 - options.load) * without;
     }
     if (n_l > 0) eq.position_constraints(state, state.p, *scratch, out.tail(n_l));
-    if (of_speeds.empty() || !eq.follows_states()) {
-      if (open) out.tail(n_l) -= options.opening;
-      return;
-    }
-    eq.velocity_constraints(state, state.p, rest, *scratch, g_dot);
-    for (const int k : of_speeds) out(n_z + k) = g_dot(k);
+    if (!following.empty()) eq.velocity_constraints(state, state.p, rest, *scratch, g_dot);
+    for (const int k : following) out(n_z + k) = g_dot(k);
     if (open) out.tail(n_l) -= options.opening;
   };
   // Contacts close and open on the way, like every switch whose function falls below 0.
@@ -203,12 +221,26 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     return true;
   };
 
+  // Whether drives and what they follow stand still, where more equations than unknowns need not agree: 1e-8 m/s is 0.3 m in a year.
+  const auto rests = [&](const Eigen::MatrixXd& K) {
+    constexpr double kStill = 1e-8;
+    for (const int k : following)
+      if (std::abs(F(n_z + k)) > kStill) return false;
+    for (int i = n_v; i < n_v + n_c; ++i) {
+      const double size =
+          K.row(i).cwiseAbs().dot(size_v) + tangents.z_c.row(i).cwiseAbs().dot(s.c.cwiseAbs());
+      if (std::abs(F(i)) > kStill * (1.0 + size)) return false;
+    }
+    return true;
+  };
+
   double extra = 0.0;   // more damping where the steps swing to and fro
   double floor = 1e-6;  // of the shift, less and less where they do not
   double last_step = 1.0;
   Eigen::MatrixXd stiffness;
   Eigen::VectorXd unit, row_unit;
   Eigen::VectorXd step_before = rest;
+  Eigen::MatrixXd h_q(n_l, n_v);
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     tangents.evaluate(s, rest);
     if (options.unloaded) {
@@ -224,6 +256,11 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     kinematics.multiply_T(tangents.z_p, K);
     for (int i = 0; i < n_v; ++i) scale(i) = tangents.M(i, i) > 0.0 ? 1.0 / std::sqrt(tangents.M(i, i)) : 1.0;
     scale_rows();
+    following.clear();
+    if (tangents.h_c.size() > 0) kinematics.multiply_T(tangents.h_p, h_q);
+    for (const int k : of_speeds)
+      if (tangents.h_c.size() > 0 && !(h_q.row(k).isZero(0.0) && tangents.h_c.row(k).isZero(0.0)))
+        following.push_back(k);
     residual(s, F);
     double sigma = 0.0;
     if (options.stable) {
@@ -250,14 +287,15 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     J.block(n_z, 0, n_l, n_v) = tangents.G;
     if (tangents.g_c.size() > 0) J.block(n_z, n_v, n_l, n_c) = tangents.g_c;
     // A drive's speed by what it follows; rolling, and speeds that are given by time, hold the place that there is.
-    if (tangents.h_c.size() > 0 && !of_speeds.empty()) {
-      Eigen::MatrixXd h_q(n_l, n_v);
-      kinematics.multiply_T(tangents.h_p, h_q);
-      for (const int k : of_speeds)
-        if (!h_q.row(k).isZero(0.0) || !tangents.h_c.row(k).isZero(0.0)) {
-          J.block(n_z + k, 0, 1, n_v) = h_q.row(k);
-          J.block(n_z + k, n_v, 1, n_c) = tangents.h_c.row(k);
-        }
+    for (const int k : following) {
+      J.block(n_z + k, 0, 1, n_v) = h_q.row(k);
+      J.block(n_z + k, n_v, 1, n_c) = tangents.h_c.row(k);
+    }
+    std::vector<int> held;
+    if (!following.empty()) {
+      Eigen::MatrixXd unshifted = J;
+      unshifted.topLeftCorner(n_v, n_v) = K.topRows(n_v);
+      held = rows_of_free_places(unshifted, tangents.G, following);
     }
     // The regularisation below is small beside the compliance of what the constraints hold only if that is 1.
     if (n_v > 0) {
@@ -269,7 +307,21 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     }
     J = scale.asDiagonal() * J * scale.asDiagonal();
     J.bottomRightCorner(n_l, n_l).diagonal().array() -= 1e-13;
-    x = scale.cwiseProduct(J.partialPivLu().solve(-scale.cwiseProduct(F)));
+    x = -scale.cwiseProduct(F);
+    if (held.empty()) {
+      x = J.partialPivLu().solve(x).eval();
+    } else {
+      // Drives that come to rest wherever they are stay where they are: as many equations more as places.
+      const auto n_held = static_cast<Eigen::Index>(held.size());
+      Eigen::MatrixXd all = Eigen::MatrixXd::Zero(J.rows() + n_held, J.cols());
+      all.topRows(J.rows()) = J;
+      all.bottomLeftCorner(n_held, n_v) =
+          (tangents.G(held, Eigen::all) * scale.head(n_v).asDiagonal()).rowwise().normalized();
+      Eigen::VectorXd with_held = Eigen::VectorXd::Zero(all.rows());
+      with_held.head(x.size()) = x;
+      x = all.colPivHouseholderQr().solve(with_held);
+    }
+    x = scale.cwiseProduct(x).eval();
     ++report.iterations;
     const double step = x.allFinite() ? x.head(n_v).cwiseQuotient(size_v).lpNorm<Eigen::Infinity>()
                                       : std::numeric_limits<double>::infinity();
@@ -302,6 +354,12 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     const bool indifferent = step < 1e-6 * options.tolerance && K.topRows(n_v).isZero();
     if (alpha == 1.0 && step < options.tolerance && (sigma == 0.0 || is_balanced(F.head(n_v), K)) &&
         (indifferent || extra < 1e-9 * (1.0 + K.lpNorm<Eigen::Infinity>()))) {
+      if (!held.empty() && !rests(K))
+        throw std::runtime_error(
+            fmt::format("no equilibrium at t = {:.6g} s: the drive \"{}\" moves on wherever it stands; let "
+                        "what it follows "
+                        "come to rest, or feed back its place",
+                        s.t, eq.name_of_constraint(held.front())));
       if (holds_conditions) eq.hold_conditions(s, *scratch);
       return report;
     }

@@ -20,6 +20,10 @@
 /// downhill and ends in a stable equilibrium.  Near by sigma is 0, too, where all eigenvalues of an
 /// unsymmetric K (of moments about axes that stand still) lie to the right.  Unstable ones are found with
 /// sigma = 0 throughout.
+///
+/// In place of its row of G a drive of speed or acceleration that follows states or the motion has the speed that it asks for, which
+/// is 0 at rest.  Where that leads it to no place (J is singular) it stays at its own, by one equation more in least squares; others,
+/// and what rolls, stay by their row of G.
 namespace flexura::mbs {
 
 struct StaticsOptions {
