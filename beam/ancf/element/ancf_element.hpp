@@ -23,10 +23,9 @@
 /// limit of no stretch (and no shear) an element brings two conditions (four, and one for the length of r_y)
 /// for its four (six) freedoms in a plane.  Measured at EA L^2/EI = 1e8: tip errors fall with order 4 (lines)
 /// and 2 (beams, whose curvature is constant in an element); with three Gauss points the same elements lock.
-/// Spatial beam: the in-plane section strains at the two nodes only, where r_y and r_z are free to stay
-/// orthonormal (between the nodes their linear interpolation shortens as 1 - theta^2/8, which would lock the
-/// bending).  A beam element that turns by theta bears the moment of theta (1 - theta^2/3) and no more than
-/// that of 42 degrees: mesh so that elements turn by less than 20 degrees.
+/// Spatial beam: it is Reissner's, whose strains are those of the section frame, which r_y and r_z give however
+/// they shorten between the nodes; their own, in-plane strains are held at the two nodes only.  An element bent
+/// by theta has the energy of theta^2 (1 + theta^4/32) and stiffens without bound towards half a turn.
 ///
 /// Solid beam: the "enhanced continuum mechanics" of K. Nachbagauer, P. Gruber, J. Gerstmayr, J. Comput.
 /// Nonlinear Dyn. 8 (2012) 021004: Poisson's coupling only on the axis.  It twists with
@@ -92,8 +91,7 @@ class Element {
   /// Points at which resultants() gives section forces: the three Lobatto points, 0 for a solid beam.
   virtual int resultant_points() const = 0;
   /// (N, V_y, V_z, T, M_y, M_z) at lobatto_rule()[k]; of a spatial line N, 0, 0 and the moment's components
-  /// in W. They are conjugate to the element's strains, so they count over the unstretched section: with
-  /// Green strains (the spatial beam) the force in the axis is N (1 + eps).
+  /// in W. They are conjugate to the element's strains: of a spatial beam those in the section's own axes.
   virtual Eigen::Matrix<double, 6, 1> resultants(const double* e, const double* e_dot, int k) const = 0;
 
   virtual double strain_energy(const double* e) const = 0;

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "beam/ancf/element/ancf_element.hpp"
+#include "beam/ancf/element/axis_strain.hpp"
 #include "beam/ancf/element/hermite.hpp"
 #include "beam/ancf/element/point_set.hpp"
 

@@ -64,27 +64,6 @@ struct BilinearStrain {
   }
 };
 
-/// Strains of the axis of a fully parametrised beam, x = (r_x, r_y, r_z, r_yx, r_zx), in the order of the
-/// section's resultants (N, V_y, V_z, T, M_y, M_z):
-///
-///     eps = r_x.r_x / 2,  gamma_y = r_x.r_y,  gamma_z = r_x.r_z,
-///     kappa_x = (r_z.r_yx - r_y.r_zx)/2,  kappa_y = r_x.r_zx,  kappa_z = -r_x.r_yx
-///
-/// They are the Green strains of the beam's points to first order in the section's coordinates (A. L. Schwab,
-/// J. P. Meijaard, J. Comput. Nonlinear Dyn. 5 (2010) 011010), so a section stiffness with shear factors,
-/// torsion constant and couplings can be used and Poisson's ratio never locks the bending.
-struct AxisStrainDefinition {
-  static constexpr int dim = 3, n_x = 5, n_z = 6;
-  static constexpr std::array<BilinearTerm, 7> terms{{{0, 0, 0, 0.5},
-                                                      {1, 0, 1, 1.0},
-                                                      {2, 0, 2, 1.0},
-                                                      {3, 2, 3, 0.5},
-                                                      {3, 1, 4, -0.5},
-                                                      {4, 0, 4, 1.0},
-                                                      {5, 0, 3, -1.0}}};
-};
-using AxisStrain = BilinearStrain<AxisStrainDefinition>;
-
 /// In-plane deformation of a section, x = (r_y, r_z): z = (r_y.r_y/2, r_z.r_z/2, r_y.r_z).
 struct SectionStrainDefinition {
   static constexpr int dim = 3, n_x = 2, n_z = 3;

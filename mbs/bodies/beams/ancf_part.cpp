@@ -151,6 +151,18 @@ double AncfPart::strain_energy(const double* s) const {
   return body_.strain_energy(q);
 }
 
+double AncfPart::largest_turn(const double* s) const {
+  VectorXd q;
+  expand(s, true, q);
+  double largest = 0.0;
+  for (int k = 0; k < body_.n_elements(); ++k)
+    for (const int axis : {2, 3}) {
+      const Vector3d from = q.segment<3>(body_.index(k, axis)), to = q.segment<3>(body_.index(k + 1, axis));
+      largest = std::max(largest, std::atan2(from.cross(to).norm(), from.dot(to)));
+    }
+  return largest;
+}
+
 double AncfPart::dissipated_power(const double* s, const double* s_dot) const {
   VectorXd q, v;
   expand(s, true, q);

@@ -43,6 +43,8 @@ class AncfPart final : public FlexibleBody {
   Spatial inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,
                            const Spatial& A, Scratch& scratch, double* need) const override;
   double strain_energy(const double* s) const override;
+  /// The largest angle between the axes r_y, or r_z, at the two ends of an element [rad].
+  double largest_turn(const double* s) const;
   double dissipated_power(const double* s, const double* s_dot) const override;
   Pose node_pose(int node, const double* s) const override;
   void node_motion(int node, const double* s, const double* s_dot, const double* s_ddot,

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mbs/bodies/beams/ancf_part.hpp"
 #include "mbs/superelement/file.hpp"
 
 namespace flexura::mbs {
@@ -17,6 +18,8 @@ using Eigen::Index;
 // Mean displacement by the body's size from where on its surface is looked at: a beam held at both ends misses 2 % of
 // its stiffness at 0.17 of its thickness, one of 1/500 of its length so at 3e-4.
 constexpr double kAskProbes = 1e-3, kAskLines = 3e-4;
+// ANCF elements that turn by less are within turn^4/32 = 0.05 % of the beam's bending stiffness.
+constexpr double kWellTurned = 20.0 * std::numbers::pi / 180.0;
 // How often it is asked whether ends are held: where half as much more stiffness is left out.
 constexpr double kAskAgain = 1.5;
 
@@ -77,8 +80,11 @@ void LinearRange::observe(const State& s) {
       observe_linear(static_cast<int>(b), s, modal);
       continue;
     }
-    // Any bending is fine; what it is made of stretches linearly.
+    // Any bending is fine that its elements can follow; what it is made of stretches linearly.
     Watched& watched = watched_[b];
+    if (const auto* const beam = dynamic_cast<const AncfPart*>(body))
+      if (const double turn = beam->largest_turn(modal); turn > watched.turn.value)
+        watched.turn = {turn, s.t, std::ceil(turn / kWellTurned) * beam->beam().n_elements(), "", ""};
     const auto& nodes = body->nodes();
     for (std::size_t i = 0; i < nodes.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
@@ -240,6 +246,12 @@ std::vector<std::string> LinearRange::sentences() const {
           "the modes do not have; take fidelity \"modal-stiffened\" (a superelement with stiffening = true), "
           "or segments",
           name, w.held.against, w.held.what, w.held.moved, w.held.t, w.tension, 100.0 * w.held.value));
+    if (w.turn.value > limits_.turn)
+      out.push_back(fmt::format(
+          "body \"{}\" bends by {:.3g} degrees within an element at t = {:.6g} s, further than its "
+          "{} elements can follow: give it {:g} (body.{}.beam.elements), or fidelity = \"beam\"",
+          name, w.turn.value * 180.0 / std::numbers::pi, w.turn.t,
+          static_cast<const AncfPart*>(body)->beam().n_elements(), w.turn.moved, name));
     if (w.strain.value > limits_.strain)
       out.push_back(
           fmt::format("body \"{}\" is strained by {:.3g} % at t = {:.6g} s at {}: its elasticity is linear, "

@@ -20,6 +20,7 @@
 ///   guided, get shorter by 3/5 (d / l)^2 of their length;
 /// - the strain along edges of the surface, of an ANCF beam that of the straight line between its stations:
 ///   elasticity is linear;
+/// - the turn of an ANCF beam's sections within an element, which interpolates their axes along the chord;
 /// - what bending asks two interfaces to come closer, where the mechanism holds them apart (shortening.hpp).
 ///
 /// Probes are read when a body first deforms by a thousandth of its size (in the mean over its mass), so that
@@ -30,6 +31,7 @@ struct RangeLimits {
   double rotation = 10.0 * 3.14159265358979323846 / 180.0;  ///< [rad]; 1.5 % of the length are missed there
   double displacement = 0.1;                                ///< of the distance; 0.6 % of the length
   double strain = 0.1;
+  double turn = 3.14159265358979323846 / 4.0;  ///< within an ANCF element [rad]; turn^4/32 too stiff, 1.2 %
   double stiffness = 0.02;  ///< part of the stiffness that is left out where ends are held apart
   double of_size = 1.0;     ///< displacement by the body's own size: nothing of the result holds
   double across = 1e-3;     ///< of gravity, along the normal of a plane in which a body bends alone
@@ -60,6 +62,7 @@ class LinearRange {
   struct Watched {
     double size = 0.0;  ///< of the body [m]
     Worst rotation, displacement, strain, of_size;
+    Worst turn;  ///< moved: elements that would turn by 20 degrees
     std::shared_ptr<const DeformationProbes> probes;
     std::vector<BendingLine> lines;
     double line_asked = 0.0;  ///< part of the stiffness for which it was last asked whether ends are held
