@@ -12,7 +12,8 @@ namespace flexura::mbs {
 ///     F = -(F_c + (F_s - F_c) exp(-(v / v_s)^2)) tanh(v / v_t) - d v
 ///
 /// Coulomb friction F_c, static friction F_s that fades over the Stribeck speed v_s, and a transition speed
-/// v_t over which the sign is smoothed: below it the joint creeps where it would stick.
+/// v_t over which the sign is smoothed: below it the joint creeps where it would stick, under a load T < F_c without the
+/// other two at v_t artanh(T / F_c).
 class JointFriction final : public ForceElement, public HasRobotWords {
  public:
   /// `along`: dimension of a force along the coordinate.
@@ -22,6 +23,7 @@ class JointFriction final : public ForceElement, public HasRobotWords {
   std::string_view type() const override { return "joint_friction"; }
   ForceNature nature() const override { return ForceNature::response; }
   std::vector<CoordinateRef> coordinates() const override { return {c_}; }
+  double transition_speed() const { return transition_speed_; }
   /// Without static friction, for which there is no word.
   std::optional<JointWords> joint_words() const override {
     if (law_.static_force != law_.coulomb) return std::nullopt;

@@ -188,6 +188,7 @@ RunOutcome run_as_told(const NamedRun& run, const SimulateArguments& arguments, 
           ? mbs::run(*prepared.mechanism, prepared.state, prepared.v_dot, prepared.options, callbacks)
           : mbs::run(*prepared.mechanism, *prepared.continuation, prepared.options, callbacks);
   out.warnings = recorder.range().sentences();
+  out.lines = recorder.notes();
   add_interferences(watch.get(), out);
   if (watch) out.result.wall_time -= watch->wall();
   if (arguments.no_estimate) return out;
@@ -263,6 +264,7 @@ RunOutcome run_within_accuracy(NamedRun& run, const SimulateArguments& arguments
   out.summary["screening_wall_time"] = chosen.screening_wall;
   out.summary["screening_cpu_time"] = chosen.screening_cpu;
   out.lines = std::move(chosen.reasons);
+  for (std::string& note : recorder.notes()) out.lines.push_back(std::move(note));
   add_interferences(watch.get(), out);
   out.lines.push_back("without the choice:");
   for (const std::string& word : chosen.set) out.lines.back() += " --set " + shell_word(word);

@@ -178,6 +178,7 @@ Recorder::Recorder(const mbs::PreparedMechanism& prepared, results::Writer& writ
       range_(mechanism_, prepared.options.end_time - prepared.state.t),
       turns_(mechanism_),
       paths_(mechanism_),
+      creep_(mechanism_),
       store_states_(store_states) {
   which_ = mbs::select_quantities(mechanism_, patterns);
   const auto infos = mechanism_.quantities();
@@ -249,6 +250,7 @@ void Recorder::append(const mbs::State& s, const Eigen::VectorXd& v_dot, const E
   range_.observe(s);
   turns_.observe(s, v_dot);
   paths_.observe(s, v_dot);
+  creep_.observe(s, v_dot);
   mechanism_.body_poses(s, *scratch_, poses_);
   const auto set_pose = [&](std::size_t b, const mbs::Pose& X) {
     row_.pose[b].head<3>() = X.p;

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "mbs/app/run/mechanism_runs.hpp"
+#include "mbs/app/run/watch/creep_watch.hpp"
 #include "mbs/app/run/watch/path_watch.hpp"
 #include "mbs/app/run/watch/turn_watch.hpp"
 #include "mbs/mechanism/range/linear_range.hpp"
@@ -50,6 +51,8 @@ class Recorder {
   void watch(const mbs::State& s, double kinetic_energy);
   /// Whether flexible bodies stayed in the linear range in the rows so far.
   const mbs::LinearRange& range() const { return range_; }
+  /// What the user should know of the rows so far.
+  std::vector<std::string> notes() const { return creep_.sentences(); }
 
  private:
   const mbs::Mechanism& mechanism_;
@@ -64,6 +67,7 @@ class Recorder {
   mbs::GrowthWatch growth_;
   TurnWatch turns_;
   PathWatch paths_;
+  CreepWatch creep_;
   Eigen::VectorXd p_start_, p_scale_;
   results::Row row_;
   bool store_states_;

@@ -91,6 +91,8 @@ class Contact final : public ForceElement, public HasPicture {
   std::string_view type() const override { return "contact"; }
   ForceNature nature() const override { return ForceNature::response; }
   std::pair<int, int> markers() const override { return {F_, M_}; }
+  bool has_friction() const { return mu_ > 0.0; }
+  double transition_speed() const { return v_0_; }  ///< [m/s]
   std::optional<DrawnSurface> drawn_surface() const override {
     DrawnSurface picture = surface_.drawn();
     picture.touching = radius_;
