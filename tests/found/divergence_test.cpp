@@ -214,6 +214,19 @@ TEST(Divergence, AnUnstableControlEndsTheRun) {
   }
 }
 
+// It grows by 80 within each period, faster than rows of one period's step tell, and turns faster than steps can follow.
+TEST(Divergence, ASampledLoopTooStiffForItsPeriodEndsAtOnce) {
+  const Folder folder;
+  fs::copy(kFound / "integrators/unstable_sampled.toml", folder.path());
+  for (const char* const step : {"1 ms", "10 ms"}) {
+    const Outcome outcome =
+        simulate(folder, "unstable_sampled.toml", {"--set", std::string("solver.output_step=") + step});
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("grows without bound"), HasSubstr("at t = 0.00"),
+                                   HasSubstr("\"hinge.speed\" goes farthest")));
+  }
+}
+
 TEST(Divergence, LongAndFastMotionIsNone) {
   const Folder folder;
   // 10 m/s^2 for 2e4 s: 2e9 m at 2e5 m/s; a force that grows with time for as long; what falls over and swings on.
