@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "mbs/solver/algebra/accelerations.hpp"
+#include "mbs/solver/algebra/downhill.hpp"
 #include "mbs/solver/algebra/saddle.hpp"
 
 namespace flexura::mbs {
@@ -17,7 +18,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kMostIterations = 50;
+constexpr int kMostIterations = 50, kMostDownhill = 300, kShortenings = 8;
 /// Steps are told from round-off to 1e-13 of the deformation, or of this part of the scale of coordinates where there is none (a
 /// wire under tension that is held at both ends).
 constexpr double kNothing = 1e-3;
@@ -80,12 +81,11 @@ class QuasiStaticStart {
   /// Moves s to where the elastic rows balance.  Returns the number of iterations.
   int find(State& s) {
     const State start = s;
-    for (;;) {
+    if (!loads_change_)
       if (const int iterations = iterate(s)) return iterations;
-      if (loads_change_) break;
-      loads_change_ = true;
-      s = start;
-    }
+    loads_change_ = true;
+    s = start;
+    if (const int iterations = iterate_downhill(s)) return iterations;
     throw AssemblyError(
         "the deformation that follows the loads is not found from the start given (the bodies are too soft "
         "for their loads, or vibrate with them): start undeformed (initial_deformation = \"none\")");
@@ -97,29 +97,105 @@ class QuasiStaticStart {
     double stiffness;
   };
 
-  // 0 where it does not converge.
+  /// Of the step, as parts of the scales of coordinates: its largest part, and what it is measured against.
+  struct Change {
+    double step = 0.0, size = kNothing;
+  };
+  Change change_of(const State& s) const {
+    Change out;
+    for (std::size_t k = 0; k < elastic_.size(); ++k) {
+      const double scale = 1.0 / eq_.position_scale(elastic_[k].i_p);
+      out.step = std::max(out.step, std::abs(step_(k)) * scale);
+      out.size = std::max(out.size, std::abs(s.p(elastic_[k].i_p) + step_(k)) * scale);
+    }
+    return out;
+  }
+
+  void take_step(State& s, double part) {
+    for (std::size_t k = 0; k < elastic_.size(); ++k) s.p(elastic_[k].i_p) += part * step_(k);
+    close_positions(s);
+    close_velocities(s);
+  }
+
+  // By the bodies' own stiffness; 0 where it does not converge.
   int iterate(State& s) {
     double before = std::numeric_limits<double>::infinity();
     for (int iteration = 1; iteration <= kMostIterations; ++iteration) {
-      find_motion(s);
-      if (loads_change_) K_.compute(stiffness_with_loads(s));
-      find_step(s);
-      double change = 0.0, size = kNothing;
-      for (std::size_t k = 0; k < elastic_.size(); ++k) {
-        const Elastic& e = elastic_[k];
-        const double scale = 1.0 / eq_.position_scale(e.i_p);
-        s.p(e.i_p) += step_(k);
-        change = std::max(change, std::abs(step_(k)) * scale);
-        size = std::max(size, std::abs(s.p(e.i_p)) * scale);
+      try {
+        find_motion(s);
+      } catch (const std::runtime_error&) {
+        if (iteration == 1) throw;
+        return 0;  // deformed beyond what its bodies are made for
       }
-      close_positions(s);
-      close_velocities(s);
+      find_step(s);
+      if (!step_.allFinite()) return 0;  // nothing of the bodies themselves resists
+      const Change change = change_of(s);
+      take_step(s, 1.0);
       // Down to round-off, or where it stops to fall close to it.
-      if (change <= 1e-13 * size || (change > 0.5 * before && change <= 1e-9 * size)) return iteration;
-      if (iteration > 5 && change > before && change > 1e-9 * size) return 0;
-      before = change;
+      if (change.step <= 1e-13 * change.size ||
+          (change.step > 0.5 * before && change.step <= 1e-9 * change.size))
+        return iteration;
+      if (iteration > 5 && change.step > before && change.step > 1e-9 * change.size) return 0;
+      before = change.step;
     }
     return 0;
+  }
+
+  // By the stiffness that the loads have a part in, downhill (algebra/downhill.hpp); 0 where it does not converge.
+  int iterate_downhill(State& s) {
+    Stride stride;
+    double before = std::numeric_limits<double>::infinity();
+    find_motion(s);
+    for (int iteration = 1; iteration <= kMostDownhill; ++iteration) {
+      MatrixXd K = stiffness_with_loads(s);
+      const auto n = static_cast<Eigen::Index>(elastic_.size());
+      VectorXd unit(n), row_unit(N_.cols());
+      MatrixXd C(N_.cols(), n);
+      for (Eigen::Index k = 0; k < n; ++k) {
+        unit(k) = column_scale_(elastic_[k].i_v);
+        C.col(k) = N_.transpose() * G_.col(elastic_[k].i_v);
+      }
+      for (Eigen::Index k = 0; k < C.rows(); ++k) {
+        const double norm = (C.row(k) * unit.asDiagonal()).norm();
+        row_unit(k) = norm > 0.0 ? 1.0 / norm : 1.0;
+      }
+      constexpr double kFloor = 1e-6;  // of the shift, as where statics begin
+      const double shift = downhill_shift(K, C, unit, row_unit, kFloor);
+      K.diagonal() += shift * unit.cwiseAbs2().cwiseInverse();
+      K_.compute(K);
+      find_step(s);
+      if (!step_.allFinite()) return 0;
+      const Change change = change_of(s);
+      double part = stride.part(change.step);
+      const double slope = along_step();
+      for (int k = 0;; ++k) {
+        State tried = s;
+        try {
+          take_step(tried, part);
+          find_motion(tried);
+          if (k == kShortenings || change.step < 1e-6 || stride.stands(slope, along_step(), part)) {
+            s = std::move(tried);
+            break;
+          }
+        } catch (const std::runtime_error&) {
+          if (k == kShortenings) return 0;
+          part *= 0.25;
+        }
+      }
+      if (shift == 0.0 && part == 1.0 &&
+          (change.step <= 1e-13 * change.size ||
+           (change.step > 0.5 * before && change.step <= 1e-9 * change.size)))
+        return iteration;
+      before = change.step;
+    }
+    return 0;
+  }
+
+  // The forces that the elastic rows lack, times the step.
+  double along_step() const {
+    double out = 0.0;
+    for (std::size_t k = 0; k < elastic_.size(); ++k) out += r_(elastic_[k].i_v) * step_(k);
+    return out;
   }
 
   // dr_s/ds at the present motion, by central differences: elastic, geometric and centrifugal stiffness.

@@ -17,8 +17,8 @@
 ///     K ds + C^T dnu = -r_s,      C ds = -N^T g,      lambda += N dnu,
 ///
 /// and the motion itself is found with the other combinations alone.  K is the bodies' own stiffness; where
-/// that does not converge (a beam that spins fast: the loads change with the deformation by more than the
-/// beam resists), dr_s/ds by differences.
+/// that does not converge (a beam that spins fast, a tight wire, a cable: the loads change with the deformation by more
+/// than the body resists), dr_s/ds by differences, with steps that lead downhill (algebra/downhill.hpp).
 namespace flexura::mbs {
 
 /// Moves the elastic coordinates (Equations::elastic_coordinate) of the assembled state s and their rates

@@ -113,9 +113,9 @@ StaticsReport search(const Mechanism& mechanism, State& s) {
   State now = s;
   double reached = 0.0;
   if (straighten(mechanism, now)) {
-    // Many steps downhill take longer than loads that grow.
+    // Loads that grow lead to an equilibrium that may be unstable: before that most of the steps downhill.
     StaticsOptions few;
-    few.max_iterations = 100;
+    few.max_iterations = 300;
     try {
       now = s;
       const StaticsReport report = solve_statics(mechanism, now, few);
@@ -131,13 +131,10 @@ StaticsReport search(const Mechanism& mechanism, State& s) {
     throw;
   } catch (const std::runtime_error&) {
     if (reached == 0.0) throw;
-    // A cubic element that bends by more than some 40 degrees wrinkles, and its equilibria turn back.
     throw std::runtime_error(
         fmt::format("no equilibrium found at t = {:.6g} s: brought in by steps, the loads are carried up to "
-                    "{:.3g} % of them and no "
-                    "further; the mechanism gives way there, or its beams are too coarse to bend so far: "
-                    "give them elements that bend "
-                    "by less than 20 degrees each",
+                    "{:.3g} % of them and no further; the mechanism gives way there, or its elements cannot "
+                    "follow so much bending: give its beams more",
                     s.t, 100.0 * reached));
   }
 }

@@ -3,13 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <cmath>
 #include <stdexcept>
 
+#include "mbs/solver/algebra/downhill.hpp"
 #include "mbs/solver/algebra/finite.hpp"
 #include "mbs/solver/algebra/kinematic_blocks.hpp"
 #include "mbs/solver/algebra/tangents.hpp"
@@ -19,45 +18,11 @@ namespace flexura::mbs {
 
 namespace {
 
-// K on the null space of G, in units of `unit` (rows of G in those of `row_unit`).
-Eigen::MatrixXd on_null_space(const Eigen::MatrixXd& K, const Eigen::MatrixXd& G, const Eigen::VectorXd& unit,
-                              const Eigen::VectorXd& row_unit) {
-  const Eigen::MatrixXd H = unit.asDiagonal() * K * unit.asDiagonal();
-  if (G.rows() == 0) return H;
-  const Eigen::MatrixXd rows = row_unit.asDiagonal() * G * unit.asDiagonal();
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(rows.transpose());
-  qr.setThreshold(1e-10);
-  Eigen::MatrixXd N = Eigen::MatrixXd::Identity(K.rows(), K.rows());
-  N = (qr.householderQ() * N).rightCols(K.rows() - qr.rank()).eval();
-  return N.transpose() * H * N;
-}
-
-// Units in which every coordinate is as stiff as the others, those that nothing holds by the masses; empty
-// where nothing is stiff.  What takes part in rows G may be softer than the rest by 1e10 only: it would be all that a row sees.
-Eigen::VectorXd units_of_stiffness(const Eigen::MatrixXd& K, const Eigen::MatrixXd& G,
-                                   const Eigen::VectorXd& by_mass) {
-  const Eigen::VectorXd k = K.diagonal().cwiseAbs(), m = by_mass.cwiseAbs2();
-  const double stiffest = k.cwiseProduct(m).maxCoeff();
-  if (!(stiffest > 0.0)) return {};
-  Eigen::VectorXd least = stiffest * m.cwiseInverse();
-  for (Eigen::Index i = 0; i < least.size(); ++i)
-    least(i) *= G.rows() == 0 || G.col(i).isZero(0.0) ? 1e-30 : 1e-10;
-  return k.cwiseMax(least).cwiseSqrt().cwiseInverse();
-}
-
-// Eigenvalues of the symmetric part, ascending.
-Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& H) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (H + H.transpose()), Eigen::EigenvaluesOnly)
-      .eigenvalues();
-}
-
-// In units of stiffness, where Cholesky's pivots are as exact as 1e-14 of the largest: a tenth of the work of
-// eigenvalues, and near an equilibrium all that is asked.
-bool is_definite(const Eigen::MatrixXd& H) {
-  constexpr double kRoundOff = 1e-14;
-  Eigen::MatrixXd S = 0.5 * (H + H.transpose());
-  S.diagonal().array() -= kRoundOff * S.diagonal().cwiseAbs().maxCoeff() * static_cast<double>(S.rows());
-  return Eigen::LLT<Eigen::MatrixXd>(S).info() == Eigen::Success;
+// Given moments turn K unsymmetric: its symmetric part may be indefinite where every motion returns.
+bool returns(const Eigen::MatrixXd& H) {
+  if (H.cols() == 0 || (H - H.transpose()).norm() < 1e-12 * H.norm()) return false;
+  const Eigen::VectorXcd mu = Eigen::EigenSolver<Eigen::MatrixXd>(H, false).eigenvalues();
+  return mu.real().minCoeff() > 1e-12 * mu.cwiseAbs().maxCoeff();
 }
 
 // Which of the rows of G forbid what J x = 0 leaves free.
@@ -82,39 +47,6 @@ std::vector<int> rows_of_free_places(const Eigen::MatrixXd& J, const Eigen::Matr
   return rows;
 }
 
-// Shifts of K, the least shift being `floor` times the stiffest direction.
-struct Shifts {
-  const Eigen::MatrixXd &K, &G;
-  const Eigen::VectorXd &unit, &row_unit;  // by the masses
-  double floor;
-
-  // Makes K positive definite on the null space of G; 0 where it is so already.
-  double downhill() const {
-    if (K.rows() == 0) return 0.0;
-    // Definite or not is judged in units in which every coordinate is as stiff as the others: sections of
-    // thin beams are 1e12 times stiffer than their bending in the norm of the masses.
-    const Eigen::VectorXd by_stiffness = units_of_stiffness(K, G, unit);
-    if (by_stiffness.size() > 0) {
-      const Eigen::MatrixXd H = on_null_space(K, G, by_stiffness, row_unit);
-      if (H.cols() == 0) return 0.0;
-      if (is_definite(H)) return 0.0;
-    }
-    const Eigen::MatrixXd H = on_null_space(K, G, unit, row_unit);
-    if (H.cols() == 0) return 0.0;
-    const Eigen::VectorXd mu = symmetric_eigenvalues(H);
-    // As stiff as the softest direction is unstable, and never below a part of the rest.
-    return 2.0 * std::max(-mu(0), 0.0) + floor * mu.cwiseAbs().maxCoeff();
-  }
-
-  // Given moments turn K unsymmetric: its symmetric part may be indefinite where every motion returns.
-  bool returns() const {
-    const Eigen::MatrixXd H = on_null_space(K, G, unit, row_unit);
-    if (H.cols() == 0 || (H - H.transpose()).norm() < 1e-12 * H.norm()) return false;
-    const Eigen::VectorXcd mu = Eigen::EigenSolver<Eigen::MatrixXd>(H, false).eigenvalues();
-    return mu.real().minCoeff() > 1e-12 * mu.cwiseAbs().maxCoeff();
-  }
-};
-
 }  // namespace
 
 StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions& options) {
@@ -137,7 +69,7 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
   std::vector<int> of_speeds, following;
   for (int k = 0; k < n_l; ++k)
     if (!eq.is_holonomic(k)) of_speeds.push_back(k);
-  Eigen::VectorXd g_dot(n_l), load = Eigen::VectorXd::Zero(n_v);
+  Eigen::VectorXd tried(n_z + n_l), g_dot(n_l), load = Eigen::VectorXd::Zero(n_v);
 
   auto residual = [&](const State& state, Eigen::VectorXd& out) {
     eq.momentum(state, rest, *scratch, out.head(n_v), out.segment(n_v, n_c), out.segment(n_v + n_c, n_a));
@@ -220,6 +152,13 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     }
     return true;
   };
+  // Whether they are round-off alone, which moves what next to nothing holds by more than the tolerance.
+  const auto is_round_off = [&](const Eigen::VectorXd& left, const Eigen::MatrixXd& K) {
+    for (int i = 0; i < n_v; ++i)
+      if (std::abs(left(i)) > 1e-13 * load(i) + 1e-15 * K.row(i).head(n_v).cwiseAbs().dot(size_v.transpose()))
+        return false;
+    return true;
+  };
 
   // Whether drives and what they follow stand still, where more equations than unknowns need not agree: 1e-8 m/s is 0.3 m in a year.
   const auto rests = [&](const Eigen::MatrixXd& K) {
@@ -241,6 +180,8 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
   Eigen::VectorXd unit, row_unit;
   Eigen::VectorXd step_before = rest;
   Eigen::MatrixXd h_q(n_l, n_v);
+  constexpr int kShortenings = 8;
+  Stride stride;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     tangents.evaluate(s, rest);
     if (options.unloaded) {
@@ -267,9 +208,9 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       stiffness = K.topRows(n_v);
       unit = scale.head(n_v);
       row_unit = scale.tail(n_l);
-      const Shifts shifts{stiffness, tangents.G, unit, row_unit, floor};
-      sigma = shifts.downhill();
-      if (sigma > 0.0 && last_step < 1e-3 && shifts.returns()) sigma = 0.0;
+      sigma = downhill_shift(stiffness, tangents.G, unit, row_unit, floor);
+      if (sigma > 0.0 && last_step < 1e-3 && returns(on_null_space(stiffness, tangents.G, unit, row_unit)))
+        sigma = 0.0;
       // Where nothing is stiff: no step of more than a tenth of a typical size.
       if (n_v > 0 && sigma == 0.0 && K.topRows(n_v).isZero() &&
           on_null_space(stiffness, tangents.G, unit, row_unit).cols() > 0)
@@ -278,7 +219,7 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     }
     J.setZero();
     J.topLeftCorner(n_z, n_v) = K;
-    J.topLeftCorner(n_v, n_v) += sigma * tangents.M;
+    J.topLeftCorner(n_v, n_v).diagonal() += sigma * scale.head(n_v).cwiseAbs2().cwiseInverse();
     J.block(0, n_v, n_z, n_c) = tangents.z_c;
     J.block(0, n_v + n_c, n_z, n_a) = tangents.z_a;
     J.block(0, n_z, n_v, n_l) = tangents.G.transpose();
@@ -329,20 +270,26 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       extra = std::max(4.0 * extra, 1.0);
       continue;
     }
-    // Half a typical size at a time, so that a swing does not turn into a somersault.
-    double alpha = step > 0.5 ? 0.5 / step : 1.0;
+    double alpha = stride.part(step);
     const auto stepped = [&](double part) {
       State next = s;
       eq.retract(s.p, part * x.head(n_v), next.p);
       next.c += part * x.segment(n_v, n_c);
       next.a += part * x.segment(n_v + n_c, n_a);
-      next.lambda += part * x.tail(n_l);
+      next.lambda += x.tail(n_l);
       return next;
     };
     if (switch_stops < kSwitchStops && step > 1e-6) {
       const double first = first_switch(stepped, alpha);
       switch_stops += first < alpha;
       alpha = first;
+    }
+    if (options.stable && step > 1e-6) {
+      const double slope = (F.head(n_v) + tangents.G.transpose() * x.tail(n_l)).dot(x.head(n_v));
+      for (int k = 0; k < kShortenings; ++k) {
+        residual(stepped(alpha), tried);
+        if (stride.stands(slope, tried.head(n_v).dot(x.head(n_v)), alpha)) break;
+      }
     }
     s = stepped(alpha);
     take_switches();
@@ -352,7 +299,8 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     report.constraint_residual = n_l > 0 ? F.tail(n_l).cwiseAbs().maxCoeff() : 0.0;
     // Where nothing is stiff and no force is left any position is an equilibrium.
     const bool indifferent = step < 1e-6 * options.tolerance && K.topRows(n_v).isZero();
-    if (alpha == 1.0 && step < options.tolerance && (sigma == 0.0 || is_balanced(F.head(n_v), K)) &&
+    if (alpha == 1.0 && (step < options.tolerance || (step < 1e-6 && is_round_off(F.head(n_v), K))) &&
+        (sigma == 0.0 || is_balanced(F.head(n_v), K)) &&
         (indifferent || extra < 1e-9 * (1.0 + K.lpNorm<Eigen::Infinity>()))) {
       if (!held.empty() && !rests(K))
         throw std::runtime_error(
@@ -377,11 +325,11 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
   if (n_v == 0) throw std::runtime_error("no equilibrium found of a mechanism that cannot move");
   int worst = 0;
   F.head(n_v).cwiseAbs().maxCoeff(&worst);
-  throw std::runtime_error(
-      fmt::format("no equilibrium found in {} steps at t = {:.6g} s: on \"{}\" {:.4g} N (or N m) are left "
-                  "unbalanced; something "
-                  "may be free to run away: hold it by a joint or a spring",
-                  report.iterations, s.t, eq.name_of_velocity(worst), F(worst)));
+  throw std::runtime_error(fmt::format(
+      "no equilibrium found in {} steps at t = {:.6g} s: on \"{}\" {:.4g} N (or N m) are left "
+      "unbalanced; something may be free to run away: hold it by a joint or a spring; what is only soft "
+      "comes to rest in a damped run (flexura simulate)",
+      report.iterations, s.t, eq.name_of_velocity(worst), F(worst)));
 }
 
 }  // namespace flexura::mbs

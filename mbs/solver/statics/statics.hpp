@@ -12,12 +12,12 @@
 ///
 /// Each step solves
 ///
-///     [ K + sigma M   G^T ] [ d      ]     [ r ]
-///     [ G             0   ] [ dlambda] = - [ g ],     p <- retract(p, d)
+///     [ K + sigma D   G^T ] [ d      ]     [ r ]
+///     [ G             0   ] [ dlambda] = - [ g ],     p <- retract(p, alpha d)
 ///
-/// an implicit Euler step of length sigma^-1/2 from rest.  sigma is 0 (Newton's method) where K is positive
-/// definite on the null space of G, and otherwise large enough to make it so: the iteration then runs
-/// downhill and ends in a stable equilibrium.  Near by sigma is 0, too, where all eigenvalues of an
+/// with the diagonal D of the mass matrix.  sigma is 0 (Newton's method) where K is positive
+/// definite on the null space of G, and otherwise large enough to make it so: d leads downhill then, alpha ends where the
+/// energy falls no longer along it (r . d changes its sign), and the iteration ends in a stable equilibrium.  Near by sigma is 0, too, where all eigenvalues of an
 /// unsymmetric K (of moments about axes that stand still) lie to the right.  Unstable ones are found with
 /// sigma = 0 throughout.
 ///
