@@ -15,6 +15,7 @@
 #include "mbs/solver/position/dead_point.hpp"
 #include "mbs/solver/position/quasi_static_start.hpp"
 #include "mbs/solver/position/row_watch.hpp"
+#include "mbs/solver/start/following_start.hpp"
 #include "mbs/solver/start/warning_mark.hpp"
 #include "mbs/solver/statics/close_loops.hpp"
 
@@ -224,8 +225,10 @@ void assemble_start(StartedMechanism& out, const GivenState& given) {
   if (!given.whole && rings(out, deforms)) out.assembly.notes.push_back(kRings);
   if (!crossing.empty()) out.assembly.notes.push_back(std::move(crossing));
   if (strained) tell_strain(*strained, deforms, out);
-  if (out.options.quasi_static_start && !given.whole)
+  if (out.options.quasi_static_start && !given.whole) {
     start_quasi_static(*out.mechanism, out.state, out.v_dot, keep);
+    start_following(*out.mechanism, out.state, out.v_dot);
+  }
   tell_points(out);
   // The second assembly finds the loops closed; what it took is in the first report.
   out.assembly.iterations += positions.iterations;
