@@ -330,6 +330,7 @@ ModalData modal_data(const superelement::Superelement& se, const BasisOptions& o
   data.Y = modes.Y;
   data.stiffness = modes.omega2;
   data.inertia = steps.inertia(data.Y);
+  data.frame = options.fixed_interface >= 0 ? interface_loads(se, options.fixed_interface) : options.frame;
   data.coupling = options.coupling;
   DampingLaw law = options.damping_law;
   if (options.damping) law.ratio = options.damping;

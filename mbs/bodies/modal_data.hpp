@@ -46,6 +46,8 @@ struct ModalData {
   Eigen::MatrixXd asked_damping = {};
   std::vector<FlexibleNode> nodes;
   Eigen::MatrixXd Y;  ///< n_se x m, u_se = Y s
+  Eigen::MatrixXd frame =
+      {};  ///< n_se x k: directions that do not move in B, frame^T Y = 0; empty: mean axes
   Coupling coupling = Coupling::full;
   std::optional<SecondOrderIntegrals> second = {};  ///< with geometric stiffening, which needs full coupling
 

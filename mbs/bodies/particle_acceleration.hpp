@@ -21,12 +21,12 @@ struct BodyMotion {
 ///     a(x) = a + A (x + Phi s) + 2 w x Phi s' + Phi s'',     A = [alpha]x + [w]x [w]x
 ///          = sum_b c_b e_b + sum_ab c_(3 + 3 a + b) x_a e_b + sum_k,ab B_(9 k + 3 a + b) Phi_k,a e_b
 ///
-/// as far as the body's inertia coupling has it: what the motion was computed without loads no section.
+/// `coupling` below full leaves out what a body's equations with it leave out.
 struct ParticleAcceleration {
   Eigen::Matrix<double, 12, 1> c;
   Eigen::VectorXd B;  ///< 9 m
 
-  ParticleAcceleration(const BodyMotion& motion, int m, Coupling coupling) : B(9 * m) {
+  ParticleAcceleration(const BodyMotion& motion, int m, Coupling coupling = Coupling::full) : B(9 * m) {
     const auto cross = [](const Vector3d& v) {
       Matrix3d out;
       out << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;

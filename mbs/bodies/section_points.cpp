@@ -33,12 +33,13 @@ Between cubic(double share, Index places) {
 }  // namespace
 
 SectionPoints::SectionPoints(const superelement::SectionForces& forces, const ModalData& body,
-                             std::optional<LeftOutModes> left_out)
+                             std::optional<LeftOutModes> left_out, StiffeningLoads stiffening)
     : forces_(forces),
       Y_(body.Y),
       coupling_(body.coupling),
       is_stiffened_(body.second.has_value()),
-      left_out_(std::move(left_out)) {
+      left_out_(std::move(left_out)),
+      stiffening_(std::move(stiffening)) {
   Eigen::MatrixXd D = body.damping_matrix();
   for (Index i = 0; i < D.rows(); ++i) D.row(i) *= body.stiffness(i) > 0.0 ? 1.0 / body.stiffness(i) : 0.0;
   of_damping_ = Y_ * D;
@@ -105,9 +106,25 @@ void SectionPoints::add_point(const Wanted& wanted) {
       for (Index i = 0; i < Y_.cols(); ++i)
         maps.of_deformation.middleCols<9>(9 * i) += Y_(k, i) * of_shapes.middleCols<9>(9 * k);
   }
-  if (takes_node_loads()) {
+  if (is_whole() && is_stiffened_) {
+    const Index m = Y_.cols(), n_l = stiffening_.size();
+    maps.of_stiffening.setZero(6, n_l * m);
+    if (forces_.of_stiffening.size() > 0) {
+      const Eigen::MatrixXd of_shapes = mix(forces_.of_stiffening, 6);
+      for (Index k = 0; k < n_l; ++k)
+        maps.of_stiffening.middleCols(k * m, m) = of_shapes.middleCols(k * Y_.rows(), Y_.rows()) * Y_;
+    }
+    if (left_out_)
+      for (Index k = 0; k < n_l; ++k)
+        maps.of_stiffening.middleCols(k * m, m) += S * left_out_->of_stiffening[static_cast<std::size_t>(k)];
+  }
+  if (is_whole() && left_out_) {
     maps.of_nodes = S * left_out_->of_nodes;
     maps.of_acceleration += S * left_out_->of_acceleration;
+    if (left_out_->dropped_acceleration.size() > 0) {
+      maps.dropped_acceleration = S * left_out_->dropped_acceleration;
+      maps.dropped_deformation = S * left_out_->dropped_deformation;
+    }
     maps.of_deformation += S * left_out_->of_deformation;
     if (maps.of_loads.size() > 0) maps.of_loads += S * left_out_->of_loads;
   }
@@ -132,10 +149,19 @@ SectionForce SectionPoints::at(int point, const BodyMotion& motion, const double
     out += maps.of_loads * Eigen::Map<const VectorXd>(factors, maps.of_loads.cols());
   if (!is_whole()) return out;
   out += maps.of_rates * Eigen::Map<const VectorXd>(motion.s_dot, m);
-  const ParticleAcceleration by(motion, static_cast<int>(m), coupling_);
+  const ParticleAcceleration by(motion, static_cast<int>(m));
   out += maps.of_acceleration * by.c + maps.of_deformation * by.B;
+  if (maps.dropped_acceleration.size() > 0) {
+    const ParticleAcceleration dropped = dropped_inertia(motion, static_cast<int>(m), coupling_);
+    out += maps.dropped_acceleration * dropped.c + maps.dropped_deformation * dropped.B;
+  }
   if (motion.on_nodes.size() > 0 && maps.of_nodes.size() > 0) out += maps.of_nodes * motion.on_nodes;
-  const bool given_by_section = is_stiffened_,
+  if (maps.of_stiffening.cols() > 0) {
+    const VectorXd loads = stiffening_.at(motion, factors);
+    for (Index k = 0; k < loads.size(); ++k)
+      if (loads(k) != 0.0) out += loads(k) * (maps.of_stiffening.middleCols(k * m, m) * s);
+  }
+  const bool given_by_section = !knows_stiffening(),
              wanted_by_section = points_[static_cast<std::size_t>(point)].wanted.axes == Axes::section;
   if (given_by_section == wanted_by_section) return out;
   // From the section's axes to the member's; back by the transpose.

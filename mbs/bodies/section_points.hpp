@@ -18,15 +18,16 @@ using SectionForce = Eigen::Matrix<double, 6, 1>;
 
 /// Section forces of a beam part in motion, at places of which the whole history is wanted:
 ///
-///     S Y (s + Omega^-2 D s') + G c + H B + L f
+///     S Y (s + Omega^-2 D s') + G c + H B + L f + sum of l_k Q_k Y s
 ///
 /// the elasticity's and the dampers' part by the shapes S and the body's stiffness Omega^2 and damping D, and what its own
-/// acceleration (c, B: particle_acceleration.hpp) and load cases (factors f) add along the members; the modes left out
-/// (left_out_modes.hpp) add S u_left.  So each cut is in balance with all that acts on either side of it.  Between the places that the superelement knows they follow by a cubic
+/// acceleration (c, B: particle_acceleration.hpp), load cases (factors f) and, with geometric stiffness, tension (loads l_k:
+/// stiffening_loads.hpp) add along the members; the modes left out (left_out_modes.hpp) add S u_left.  So each cut is in
+/// balance with all that acts on either side of it.  Between the places that the superelement knows they follow by a cubic
 /// along the member.
 ///
-/// They come in the axes of the section as it has turned with the deformation: what frame the body has is then of no
-/// account.  With geometric stiffness the shapes' forces are in these axes already, without it in the member's.
+/// This is in the member's axes.  They come in those of the section as it has turned with the deformation: what frame the body has
+/// is then of no account.  With geometric stiffness but without Q the shapes' forces are nearer to the section's axes.
 class SectionPoints {
  public:
   enum class Axes { section, member };
@@ -47,7 +48,7 @@ class SectionPoints {
   };
 
   SectionPoints(const superelement::SectionForces& forces, const ModalData& body,
-                std::optional<LeftOutModes> left_out = {});
+                std::optional<LeftOutModes> left_out = {}, StiffeningLoads stiffening = {});
   const std::vector<std::string>& members() const { return forces_.members; }
   double length(int member) const;  ///< [m]
   /// The nearest places (of `member` alone where that is not -1) to a position [m] in B: several where members meet.
@@ -60,15 +61,18 @@ class SectionPoints {
   /// False for a superelement that does not know what bears on a cut within a member: then the shapes' part at the nearest place,
   /// in the member's axes, and of the load cases the preloads.
   bool is_whole() const { return forces_.of_acceleration.size() > 0; }
+  /// False for a stiffened body of a superelement that does not know what tension bears on a cut: see Axes.
+  bool knows_stiffening() const { return !is_stiffened_ || forces_.of_stiffening.size() > 0; }
   /// True where at() wants to know what acts on the nodes.
-  bool takes_node_loads() const { return is_whole() && left_out_.has_value(); }
+  bool takes_node_loads() const { return is_whole() && (left_out_.has_value() || is_stiffened_); }
   /// `factors` of the load cases; may be null.
   SectionForce at(int point, const BodyMotion& motion, const double* factors = nullptr) const;
 
  private:
   struct Maps {
     Eigen::Matrix3d R_BS;
-    Eigen::Matrix<double, 6, Eigen::Dynamic> of_s, of_rates, of_loads, of_deformation, of_nodes;
+    Eigen::Matrix<double, 6, Eigen::Dynamic> of_s, of_rates, of_loads, of_deformation, of_nodes,
+        dropped_acceleration, dropped_deformation, of_stiffening;
     Eigen::Matrix<double, 6, 12> of_acceleration;
     Eigen::Matrix3Xd turning;
   };
@@ -79,6 +83,7 @@ class SectionPoints {
   Coupling coupling_;
   bool is_stiffened_;
   std::optional<LeftOutModes> left_out_;
+  StiffeningLoads stiffening_;
   std::vector<Point> points_;
   std::vector<Maps> maps_;
 };

@@ -56,20 +56,22 @@ void StressField::set_loads(Eigen::MatrixXd of_loads) {
 }
 
 void StressField::set_inertia(Eigen::MatrixXd of_acceleration, Eigen::MatrixXd rigid_motions,
-                              Coupling coupling, std::optional<LeftOutModes> left_out) {
+                              Coupling coupling, std::optional<LeftOutModes> left_out,
+                              StiffeningLoads stiffening) {
   if (of_acceleration.size() > 0 && of_acceleration.rows() != given_->rows())
     throw std::invalid_argument("the stresses of acceleration do not fit the places of the stress modes");
   of_acceleration_ = std::move(of_acceleration);
   rigid_motions_ = std::move(rigid_motions);
   coupling_ = coupling;
   left_out_ = std::move(left_out);
+  stiffening_ = std::move(stiffening);
 }
 
 Eigen::VectorXd StressField::beyond(const BodyMotion& motion, const double* factors) const {
   const Eigen::Index n_z = of_acceleration_.cols(), n_se = given_->cols(), n_b = n_z - 6, m = Y_.cols();
   Eigen::VectorXd out = Eigen::VectorXd::Zero(n_z + (left_out_ ? n_se : 0));
   if (out.size() == 0) return out;
-  const ParticleAcceleration by(motion, static_cast<int>(m), coupling_);
+  const ParticleAcceleration by(motion, static_cast<int>(m));
   if (n_z > 0) {
     // A less its turning, [alpha]x, which the rigid motions have.
     const Eigen::Matrix3d A = by.c.tail<9>().reshaped(3, 3), even = 0.5 * (A + A.transpose());
@@ -82,7 +84,18 @@ Eigen::VectorXd StressField::beyond(const BodyMotion& motion, const double* fact
   if (!left_out_) return out;
   auto u_left = out.tail(n_se);
   u_left = left_out_->of_acceleration * by.c + left_out_->of_deformation * by.B;
-  if (motion.on_nodes.size() > 0) u_left += left_out_->of_nodes * motion.on_nodes;
+  if (left_out_->dropped_acceleration.size() > 0) {
+    const ParticleAcceleration dropped = dropped_inertia(motion, static_cast<int>(m), coupling_);
+    u_left += left_out_->dropped_acceleration * dropped.c + left_out_->dropped_deformation * dropped.B;
+  }
+  if (!left_out_->of_stiffening.empty()) {
+    const Eigen::VectorXd loads = stiffening_.at(motion, factors);
+    const Eigen::Map<const Eigen::VectorXd> s(motion.s, m);
+    for (Eigen::Index k = 0; k < loads.size(); ++k)
+      if (loads(k) != 0.0) u_left += loads(k) * (left_out_->of_stiffening[static_cast<std::size_t>(k)] * s);
+  }
+  if (motion.on_nodes.size() > 0 && left_out_->of_nodes.cols() > 0)
+    u_left += left_out_->of_nodes * motion.on_nodes;
   if (factors && left_out_->of_loads.cols() > 0)
     u_left += left_out_->of_loads * Eigen::Map<const Eigen::VectorXd>(factors, left_out_->of_loads.cols());
   return out;

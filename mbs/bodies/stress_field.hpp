@@ -68,7 +68,7 @@ class StressField {
 
   /// 6 n_s x (6 + n_b) as in StressModes, or empty; `rigid_motions` n_se x 6; `left_out` of the modes.
   void set_inertia(Eigen::MatrixXd of_acceleration, Eigen::MatrixXd rigid_motions, Coupling coupling,
-                   std::optional<LeftOutModes> left_out);
+                   std::optional<LeftOutModes> left_out, StiffeningLoads stiffening = {});
   bool has_inertia() const { return of_acceleration_.size() > 0; }
   /// True where beyond() wants to know what acts on the nodes.
   bool takes_node_loads() const { return left_out_.has_value(); }
@@ -96,6 +96,7 @@ class StressField {
   Eigen::MatrixXd of_loads_, of_acceleration_, rigid_motions_;
   Coupling coupling_ = Coupling::full;
   std::optional<LeftOutModes> left_out_;
+  StiffeningLoads stiffening_;
   Eigen::Matrix3Xd x_;  // 3 x n_s
   std::vector<int> vertices_;
   std::vector<Eigen::Matrix<double, 6, 6>> compliance_;

@@ -130,6 +130,12 @@ void write_sections(Group root, const SectionForces& sections) {
              "(9 k + 3 a + b, 6 p + c): what the inertia of phi_k,a e_b adds, float32");
   hdf5::write_matrix(group, "turning", sections.turning.transpose(), "rad per dof",
                      "(k, 3 p + a): rotation of the section by shape k, in B");
+  if (sections.of_stiffening.size() == 0) return;
+  const RowMajorXf of_stiffening = sections.of_stiffening.transpose();
+  write_rows(
+      group, "of_stiffening", of_stiffening, "N, N m per dof, per unit load",
+      "(k n + j, 6 p + c): what shape j adds under unit load k, in the order K0t, K0r, K0omega, K0F, K0p, "
+      "float32");
 }
 
 void read_sections(const Group& root, Superelement& se) {
@@ -156,6 +162,12 @@ void read_sections(const Group& root, Superelement& se) {
   group.read("of_deformation", {static_cast<std::size_t>(9 * se.n()), static_cast<std::size_t>(6 * n_p)},
              of_deformation.data());
   sections.of_deformation = of_deformation.transpose();
+  if (!group.has("of_stiffening")) return;
+  const auto loads = static_cast<Eigen::Index>(12 + static_cast<std::size_t>(se.n_b) + se.load_cases.size());
+  RowMajorXf of_stiffening(loads * se.n(), 6 * n_p);
+  group.read("of_stiffening", {static_cast<std::size_t>(loads * se.n()), static_cast<std::size_t>(6 * n_p)},
+             of_stiffening.data());
+  sections.of_stiffening = of_stiffening.transpose();
 }
 
 }  // namespace flexura::superelement

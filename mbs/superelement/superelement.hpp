@@ -127,6 +127,10 @@ struct SectionForces {
   Eigen::MatrixXf of_deformation = {};   ///< 6 n_p x 9 n, column 9 k + 3 a + b; with of_acceleration
   Eigen::MatrixXd turning =
       {};  ///< 3 n_p x n: rotation of the section by shape k, in B; with of_acceleration
+  /// 6 n_p x (loads) n, column k n + j: what shape j adds under unit load k, the loads of StiffeningTerms in the order K0t, K0r,
+  /// K0omega, K0F, K0p.  With it the section forces are those in the member's axes that are in balance with loads on the
+  /// deformed part.  Empty: not known.
+  Eigen::MatrixXf of_stiffening = {};
 };
 
 /// Vectors p_se = T^T p of load cases kept for run time (gravity needs none: it follows from the integrals).

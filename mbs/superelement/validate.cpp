@@ -329,6 +329,9 @@ class Check {
       sized_and_finite("the section forces of accelerated deformation", sections.of_deformation, 6 * n_p,
                        9 * se_.n());
       sized_and_finite("the turning of the sections", sections.turning, 3 * n_p, se_.n());
+      if (sections.of_stiffening.size() > 0)
+        sized_and_finite("the section forces of tension", sections.of_stiffening, 6 * n_p,
+                         (12 + se_.n_b + static_cast<Eigen::Index>(se_.load_cases.size())) * se_.n());
     }
     std::vector<std::int32_t> places(sections.members.size());
     std::int32_t last = 0;

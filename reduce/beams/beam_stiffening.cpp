@@ -19,7 +19,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr int kInertiaLoads = 12;
+constexpr int kInertiaLoads = UnitTensions::kInertiaLoads;
 using InertiaLoads = Eigen::Matrix<double, 6, kInertiaLoads>;
 
 // Minus the gradient of the acceleration of load k: f(x + r) = f(x) + B r.
@@ -85,19 +85,11 @@ InertiaLoads line_loads(const beam::Placement& placement, double x, const beam::
   return loads;
 }
 
-beam::LineLoad line_load(const std::array<InertiaLoads, 2>& ends, Index k) {
-  return {ends[0].col(k), ends[1].col(k)};
-}
+}  // namespace
 
-// v', w', theta_x' at a place of the element from its nodal dofs.
-struct Station {
-  double x, weight;
-  Eigen::Matrix<double, 3, 12> slopes;
-};
-
-// Four Gauss points: exact for slopes of degree two and N of degree three.  The slopes are those of the cubic
-// through the exact displacements at four places, so that released ends and shear deformation are in them.
-std::array<Station, 4> stations(const beam::Element& element) {
+// The slopes are those of the cubic through the exact displacements at four places, so that released ends and shear
+// deformation are in them.
+std::array<SlopeStation, 4> slope_stations(const beam::Element& element, double to) {
   const double l = element.length();
   std::array<double, 4> t;
   std::array<Matrix6x12d, 4> d;
@@ -106,10 +98,10 @@ std::array<Station, 4> stations(const beam::Element& element) {
     d[j] = element.shape(t[j] * l);
   }
   const auto rule = beam::gauss_points(4);
-  std::array<Station, 4> out;
+  std::array<SlopeStation, 4> out;
   for (int g = 0; g < 4; ++g) {
-    const double s = 0.5 * (1.0 + rule[g].first);
-    out[g] = {s * l, 0.5 * l * rule[g].second, Eigen::Matrix<double, 3, 12>::Zero()};
+    const double s = 0.5 * (1.0 + rule[g].first) * to / l;
+    out[g] = {s * l, 0.5 * to * rule[g].second, Eigen::Matrix<double, 3, 12>::Zero()};
     for (int j = 0; j < 4; ++j) {  // derivative of Lagrange's polynomial j
       double slope = 0.0;
       for (int i = 0; i < 4; ++i) {
@@ -125,11 +117,9 @@ std::array<Station, 4> stations(const beam::Element& element) {
   return out;
 }
 
-}  // namespace
-
-StiffeningTerms beam_stiffening_terms(const Structure& structure,
-                                      const std::vector<BeamInterface>& interfaces, const MatrixXd& T,
-                                      const std::vector<LoadCase>& cases) {
+UnitTensions::UnitTensions(const Structure& structure, const std::vector<BeamInterface>& interfaces,
+                           const std::vector<LoadCase>& cases)
+    : mesh_(structure.mesh()), cases_(cases), lines_(mesh_.elements().size()) {
   if (!structure.solids().empty())
     throw std::invalid_argument(
         "geometric stiffening is asked for of a beam part with solids, of which only the beams would "
@@ -140,33 +130,24 @@ StiffeningTerms beam_stiffening_terms(const Structure& structure,
     throw std::invalid_argument(
         "geometric stiffening of a beam part needs an interface that keeps all six directions, to balance "
         "unit loads; let one keep them or take `stiffening` away");
-  const beam::BeamMesh& mesh = structure.mesh();
-  const beam::Model& model = mesh.model();
-  const Index n = T.cols();
-
-  StiffeningTerms terms;
-  std::vector<int> dof_of_load;  // of each boundary dof, -1 where it is held
+  const beam::Model& model = mesh_.model();
   for (const BeamInterface& interface : interfaces)
-    for (const int direction : interface.directions) {
-      const bool held = &interface == &*holds;
-      if (held) terms.held.push_back(static_cast<int>(dof_of_load.size()));
-      dof_of_load.push_back(held ? -1 : 6 * interface.node + direction);
-    }
+    for (const int direction : interface.directions)
+      dof_of_load_.push_back(&interface == &*holds ? -1 : 6 * interface.node + direction);
 
-  const auto n_interface = static_cast<Index>(dof_of_load.size());
-  const Index first_case = kInertiaLoads + n_interface,
-              n_loads = first_case + static_cast<Index>(cases.size());
-  std::vector<std::array<InertiaLoads, 2>> line(mesh.elements().size());
+  const Index n_loads = loads();
   MatrixXd P = MatrixXd::Zero(structure.n_dofs(), n_loads);
-  for (std::size_t e = 0; e < mesh.elements().size(); ++e) {
-    const beam::MeshElement& record = mesh.elements()[e];
+  for (std::size_t e = 0; e < mesh_.elements().size(); ++e) {
+    const beam::MeshElement& record = mesh_.elements()[e];
     const beam::Member& member = model.members[record.member];
-    const beam::Element element = mesh.element(record);
-    line[e] = {line_loads(record.placement, 0.0, section_at(model, member, record.t_1).inertia),
-               line_loads(record.placement, element.length(), section_at(model, member, record.t_2).inertia)};
+    const beam::Element element = mesh_.element(record);
+    const std::array<InertiaLoads, 2> ends = {
+        line_loads(record.placement, 0.0, section_at(model, member, record.t_1).inertia),
+        line_loads(record.placement, element.length(), section_at(model, member, record.t_2).inertia)};
     const Matrix12d to_nodes = record.placement.transform().transpose();
     for (int k = 0; k < kInertiaLoads; ++k) {
-      const beam::Vector12d p = to_nodes * element.load(line_load(line[e], k));
+      lines_[e][k] = {ends[0].col(k), ends[1].col(k)};
+      const beam::Vector12d p = to_nodes * element.load(lines_[e][k]);
       P.col(k).segment<6>(6 * record.node[0]) += p.head<6>();
       P.col(k).segment<6>(6 * record.node[1]) += p.tail<6>();
     }
@@ -175,56 +156,80 @@ StiffeningTerms beam_stiffening_terms(const Structure& structure,
     const Vector3d& c = mass.p_NC_B;
     const Matrix3d about_C = 0.5 * mass.I_C_B.trace() * Matrix3d::Identity() - mass.I_C_B;
     P.block<6, kInertiaLoads>(6 * mass.node, 0) += inertia_loads(
-        mesh.points()[mass.node], mass.mass, mass.mass * c, about_C + mass.mass * c * c.transpose());
+        mesh_.points()[mass.node], mass.mass, mass.mass * c, about_C + mass.mass * c * c.transpose());
   }
-  for (std::size_t b = 0; b < dof_of_load.size(); ++b)
-    if (dof_of_load[b] >= 0) P(dof_of_load[b], kInertiaLoads + static_cast<Index>(b)) = 1.0;
-
-  for (Index k = first_case; k < n_loads; ++k)
-    P.col(k) = load_vector(structure, cases[static_cast<std::size_t>(k - first_case)]);
+  for (std::size_t b = 0; b < dof_of_load_.size(); ++b)
+    if (dof_of_load_[b] >= 0) P(dof_of_load_[b], kInertiaLoads + static_cast<Index>(b)) = 1.0;
+  for (Index k = first_case(); k < n_loads; ++k)
+    P.col(k) = load_vector(structure, cases[static_cast<std::size_t>(k - first_case())]);
 
   const Numbering numbering(structure, {*holds});
   const SplitMatrix K(structure.stiffness(), numbering);
   const linalg::CholeskyFactor factor = factorise(structure, numbering, K);
-  MatrixXd U = MatrixXd::Zero(structure.n_dofs(), n_loads);
-  U(numbering.dof_of, Eigen::all) = solve_refined(factor, *K.ii, P(numbering.dof_of, Eigen::all));
+  U_ = MatrixXd::Zero(structure.n_dofs(), n_loads);
+  U_(numbering.dof_of, Eigen::all) = solve_refined(factor, *K.ii, P(numbering.dof_of, Eigen::all));
+}
 
-  std::vector<MatrixXd> K_0(n_loads, MatrixXd::Zero(n, n));
+VectorXd UnitTensions::at(int e, const beam::Element& element, double x) const {
+  const beam::MeshElement& record = mesh_.elements()[static_cast<std::size_t>(e)];
+  MatrixXd q(12, U_.cols());
+  q << U_.middleRows<6>(6 * record.node[0]), U_.middleRows<6>(6 * record.node[1]);
+  q = (record.placement.transform() * q).eval();
+  VectorXd N = VectorXd::Zero(loads());
+  for (Index k = 0; k < loads(); ++k) {
+    const bool is_case = k >= first_case();
+    if (k >= kInertiaLoads && !is_case && dof_of_load_[static_cast<std::size_t>(k - kInertiaLoads)] < 0)
+      continue;
+    const LoadCase* load = is_case ? &cases_[static_cast<std::size_t>(k - first_case())] : nullptr;
+    const beam::LineLoad along = k < kInertiaLoads
+                                     ? lines_[static_cast<std::size_t>(e)][static_cast<std::size_t>(k)]
+                                 : load ? beam::load_on(record, load->members)
+                                        : beam::LineLoad{};
+    N(k) = element.section_forces(x, q.col(k), along)(beam::N);
+    if (load) N(k) += preload_of(*load, record.member);
+  }
+  return N;
+}
+
+double UnitTensions::radius2(int e, double x) const {
+  const beam::MeshElement& record = mesh_.elements()[static_cast<std::size_t>(e)];
+  return section_at(mesh_.model(), mesh_.model().members[record.member],
+                    record.t_1 + x / record.placement.length * (record.t_2 - record.t_1))
+      .r2;
+}
+
+StiffeningTerms beam_stiffening_terms(const Structure& structure,
+                                      const std::vector<BeamInterface>& interfaces, const MatrixXd& T,
+                                      const std::vector<LoadCase>& cases) {
+  const UnitTensions tensions(structure, interfaces, cases);
+  const beam::BeamMesh& mesh = structure.mesh();
+  const Index n = T.cols();
+  StiffeningTerms terms;
+  for (std::size_t b = 0; b < tensions.dof_of_load().size(); ++b)
+    if (tensions.dof_of_load()[b] < 0) terms.held.push_back(static_cast<int>(b));
+
+  std::vector<MatrixXd> K_0(static_cast<std::size_t>(tensions.loads()), MatrixXd::Zero(n, n));
   for (std::size_t e = 0; e < mesh.elements().size(); ++e) {
     const beam::MeshElement& record = mesh.elements()[e];
-    const beam::Member& member = model.members[record.member];
     const beam::Element element = mesh.element(record);
-    const Matrix12d to_element = record.placement.transform();
-    const auto nodal = [&](const MatrixXd& X) {
-      MatrixXd q(12, X.cols());
-      q << X.middleRows<6>(6 * record.node[0]), X.middleRows<6>(6 * record.node[1]);
-      return q;
-    };
-    const MatrixXd q = to_element * nodal(U), shapes = to_element * nodal(T);
-    for (const Station& at : stations(element)) {
-      const double r2 =
-          section_at(model, member, record.t_1 + at.x / element.length() * (record.t_2 - record.t_1)).r2;
+    MatrixXd shapes(12, n);
+    shapes << T.middleRows<6>(6 * record.node[0]), T.middleRows<6>(6 * record.node[1]);
+    shapes = (record.placement.transform() * shapes).eval();
+    for (const SlopeStation& at : slope_stations(element, element.length())) {
       MatrixXd slopes = at.slopes * shapes;  // 3 x n
-      slopes.row(2) *= std::sqrt(r2);
+      slopes.row(2) *= std::sqrt(tensions.radius2(static_cast<int>(e), at.x));
       const MatrixXd unit = at.weight * (slopes.transpose() * slopes);
-      for (Index k = 0; k < n_loads; ++k) {
-        const bool is_case = k >= first_case;
-        if (k >= kInertiaLoads && !is_case && dof_of_load[k - kInertiaLoads] < 0) continue;
-        const LoadCase* load = is_case ? &cases[static_cast<std::size_t>(k - first_case)] : nullptr;
-        const beam::LineLoad along = k < kInertiaLoads ? line_load(line[e], k)
-                                     : load            ? beam::load_on(record, load->members)
-                                                       : beam::LineLoad{};
-        double N = element.section_forces(at.x, q.col(k), along)(beam::N);
-        if (load) N += preload_of(*load, record.member);
-        if (N != 0.0) K_0[k] += N * unit;
-      }
+      const VectorXd N = tensions.at(static_cast<int>(e), element, at.x);
+      for (Index k = 0; k < N.size(); ++k)
+        if (N(k) != 0.0) K_0[static_cast<std::size_t>(k)] += N(k) * unit;
     }
   }
   for (int a = 0; a < 3; ++a) terms.K0t[a] = std::move(K_0[a]);
   for (int a = 0; a < 3; ++a) terms.K0r[a] = std::move(K_0[3 + a]);
   for (int k = 0; k < 6; ++k) terms.K0omega[k] = std::move(K_0[6 + k]);
-  for (Index k = kInertiaLoads; k < first_case; ++k) terms.K0F.push_back(std::move(K_0[k]));
-  for (Index k = first_case; k < n_loads; ++k) terms.K0p.push_back(std::move(K_0[k]));
+  for (Index k = kInertiaLoads; k < tensions.loads(); ++k)
+    (k < tensions.first_case() ? terms.K0F : terms.K0p)
+        .push_back(std::move(K_0[static_cast<std::size_t>(k)]));
   return terms;
 }
 

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "reduce/beams/numbering.hpp"
@@ -18,9 +19,42 @@
 /// beams that tilt sideways out of bending.
 namespace flexura::reduce {
 
-/// `T` (n_dofs x n) the shapes on all dofs of the structure.  The loads are balanced at the first interface
-/// that keeps all six directions.  Throws std::invalid_argument where there is none, and for a structure with
-/// solids.
+/// The axial forces of the unit loads, in the order of the terms: 12 of motion (K0t, K0r, K0omega), then those on the interface dofs
+/// (K0F), then the load cases (K0p).
+class UnitTensions {
+ public:
+  static constexpr int kInertiaLoads = 12;
+
+  /// The loads are balanced at the first interface that keeps all six directions.  Throws std::invalid_argument where there
+  /// is none, and for a structure with solids.  Structure and cases outlive it.
+  UnitTensions(const Structure& structure, const std::vector<BeamInterface>& interfaces,
+               const std::vector<LoadCase>& cases);
+  Eigen::Index first_case() const { return kInertiaLoads + static_cast<Eigen::Index>(dof_of_load_.size()); }
+  Eigen::Index loads() const { return first_case() + static_cast<Eigen::Index>(cases_.size()); }
+  const std::vector<int>& dof_of_load() const {
+    return dof_of_load_;
+  }  ///< of each interface dof; -1: it balances
+  /// Of each load at x of the mesh's element e [N].
+  Eigen::VectorXd at(int e, const beam::Element& element, double x) const;
+  double radius2(int e, double x) const;  ///< r^2 there [m^2]
+
+ private:
+  const beam::BeamMesh& mesh_;
+  const std::vector<LoadCase>& cases_;
+  std::vector<std::array<beam::LineLoad, kInertiaLoads>> lines_;  // on each element
+  std::vector<int> dof_of_load_;
+  Eigen::MatrixXd U_;  // n_dofs x loads
+};
+
+/// (v', w', theta_x') at a place of an element from the displacements of its ends, in its axes.
+struct SlopeStation {
+  double x, weight;
+  Eigen::Matrix<double, 3, 12> slopes;
+};
+/// Four Gauss points from end 1 up to `to`: exact for slopes of degree two and N of degree three.
+std::array<SlopeStation, 4> slope_stations(const beam::Element& element, double to);
+
+/// `T` (n_dofs x n) the shapes on all dofs of the structure.  Throws as UnitTensions.
 StiffeningTerms beam_stiffening_terms(const Structure& structure,
                                       const std::vector<BeamInterface>& interfaces, const Eigen::MatrixXd& T,
                                       const std::vector<LoadCase>& cases = {});

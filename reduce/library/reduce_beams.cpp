@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 
 #include "reduce/library/reduce.hpp"
 #include "reduce/library/section_forces.hpp"
@@ -120,10 +121,14 @@ Reduced reduce(const BeamPartInput& input, const ReduceOptions& options) {
   superelement::Superelement se =
       to_superelement(named, std::move(reduction), surface_of(structure.picture()), json.dump(1));
   se.load_cases = std::move(cases);
-  // What inertia adds takes nine columns for each shape: about 30 MB in all.
-  const auto most_places = static_cast<int>(150'000 / std::max<Eigen::Index>(1, beams.T.cols()));
-  if (input.model.members.size() <= most_members)
-    se.sections = section_forces(structure, beams, input.cases, most_places);
+  if (input.model.members.size() <= most_members) {
+    std::optional<UnitTensions> tensions;
+    if (input.stiffening) tensions.emplace(structure, interfaces, input.cases);
+    // What inertia adds takes nine columns for each shape, tension one for each unit load: about 30 MB in all.
+    const Eigen::Index columns = beams.T.cols() * (9 + (tensions ? tensions->loads() : 0));
+    const auto most_places = static_cast<int>(1'350'000 / std::max<Eigen::Index>(1, columns));
+    se.sections = section_forces(structure, beams, input.cases, most_places, tensions ? &*tensions : nullptr);
+  }
   return {.superelement = std::move(se), .text = std::move(text), .json = json};
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 namespace flexura::reduce {
@@ -129,10 +130,71 @@ void put_deformation(const Structure& structure, const beam::InertiaSums& sums, 
   }
 }
 
+// The load on the ends of each element, in its axes, of the shapes' slopes under tension of each unit load.
+std::vector<Matrix12d> slope_stiffness(const UnitTensions& tensions, int e, const beam::Element& element) {
+  std::vector<Matrix12d> out(static_cast<std::size_t>(tensions.loads()), Matrix12d::Zero());
+  for (const SlopeStation& at : slope_stations(element, element.length())) {
+    auto slopes = at.slopes;
+    slopes.row(2) *= std::sqrt(tensions.radius2(e, at.x));
+    const Matrix12d unit = at.weight * (slopes.transpose() * slopes);
+    const Eigen::VectorXd N = tensions.at(e, element, at.x);
+    for (Index k = 0; k < N.size(); ++k) out[static_cast<std::size_t>(k)] += N(k) * unit;
+  }
+  return out;
+}
+
+void put_stiffening(const Structure& structure, const UnitTensions& tensions, const BeamReduction& beams,
+                    const std::vector<Place>& places, superelement::SectionForces& out) {
+  const beam::BeamMesh& mesh = structure.mesh();
+  const Index n = beams.T.cols(), n_loads = tensions.loads();
+  std::vector<std::vector<Matrix12d>> stiffness;
+  for (std::size_t e = 0; e < mesh.elements().size(); ++e)
+    stiffness.push_back(slope_stiffness(tensions, static_cast<int>(e), mesh.element(mesh.elements()[e])));
+
+  // By the displacements of the element's ends, in its axes: 6 x 12 for each place and load.
+  std::vector<MatrixXd> elastic(places.size()), own(places.size());
+  visit_places(mesh, places, [&](const CutElement& cut, Index at, double x) {
+    const auto p = static_cast<std::size_t>(at);
+    elastic[p] = cut.elastic(x);
+    own[p].resize(6, 12 * n_loads);
+    for (Index k = 0; k < n_loads; ++k)
+      own[p].middleCols<12>(12 * k) = from_end_1(
+          stiffness[static_cast<std::size_t>(places[p].element)][static_cast<std::size_t>(k)].topRows<6>(),
+          x);
+    for (const SlopeStation& station : slope_stations(cut.element, x)) {
+      const Eigen::VectorXd N = tensions.at(places[p].element, cut.element, station.x);
+      for (Index k = 0; k < n_loads; ++k) {
+        own[p].row(beam::M_y).segment<12>(12 * k) -= station.weight * N(k) * station.slopes.row(1);
+        own[p].row(beam::M_z).segment<12>(12 * k) += station.weight * N(k) * station.slopes.row(0);
+      }
+    }
+  });
+
+  out.of_stiffening.resize(6 * static_cast<Index>(places.size()), n_loads * n);
+  for (Index k = 0; k < n_loads; ++k) {
+    MatrixXd P = MatrixXd::Zero(structure.n_dofs(), n);
+    for (std::size_t e = 0; e < mesh.elements().size(); ++e) {
+      const CutElement cut(mesh, mesh.elements()[e]);
+      const MatrixXd p =
+          cut.transform.transpose() * (stiffness[e][static_cast<std::size_t>(k)] * cut.end_motion(beams.T));
+      P.middleRows<6>(6 * cut.record.node[0]) -= p.topRows<6>();
+      P.middleRows<6>(6 * cut.record.node[1]) -= p.bottomRows<6>();
+    }
+    const MatrixXd lack = beams.left_out(P);
+    visit_places(mesh, places, [&](const CutElement& cut, Index at, double) {
+      const auto p = static_cast<std::size_t>(at);
+      const MatrixXd F =
+          elastic[p] * cut.end_motion(lack) + own[p].middleCols<12>(12 * k) * cut.end_motion(beams.T);
+      out.of_stiffening.block(6 * at, k * n, 6, n) = F.cast<float>();
+    });
+  }
+}
+
 }  // namespace
 
 superelement::SectionForces section_forces(const Structure& structure, const BeamReduction& beams,
-                                           const std::vector<LoadCase>& cases, int most) {
+                                           const std::vector<LoadCase>& cases, int most,
+                                           const UnitTensions* tensions) {
   const beam::BeamMesh& mesh = structure.mesh();
   const auto& members = mesh.model().members;
   superelement::SectionForces out;
@@ -187,6 +249,7 @@ superelement::SectionForces section_forces(const Structure& structure, const Bea
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R_BE = cut.ends.R_BE;
     out.axes.row(p) = Eigen::Map<const Eigen::Matrix<double, 1, 9>>(R_BE.data());
   });
+  if (tensions) put_stiffening(structure, *tensions, beams, places, out);
   return out;
 }
 

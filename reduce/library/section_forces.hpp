@@ -5,6 +5,7 @@
 
 #include "mbs/superelement/superelement.hpp"
 #include "reduce/beams/beam_reduction.hpp"
+#include "reduce/beams/beam_stiffening.hpp"
 
 namespace flexura::reduce {
 
@@ -16,7 +17,11 @@ namespace flexura::reduce {
 /// What a load p along the members adds is what it bears on the cut within its element, and the resultants of the
 /// deformation F_rs p (BeamReduction::left_out) that the shapes lack: so for the load cases, and for the inertia of the
 /// fields of acceleration e_b, x_a e_b and phi_k,a e_b, p = -integral of N_b (1, x_a, phi_k,a) dm.
+///
+/// `tensions`: those of unit loads, by which the deformed member bears on the cut.  The load N w' turns the member's slope:
+/// on end 1 it is that of the element's geometric stiffness, and the cut at x has -integral of N w' from there (v' of M_z likewise).
 superelement::SectionForces section_forces(const Structure& structure, const BeamReduction& beams,
-                                           const std::vector<LoadCase>& cases, int most);
+                                           const std::vector<LoadCase>& cases, int most,
+                                           const UnitTensions* tensions = nullptr);
 
 }  // namespace flexura::reduce

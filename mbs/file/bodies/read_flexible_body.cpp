@@ -220,7 +220,7 @@ std::shared_ptr<const StressField> read_stress_field(
                                              std::vector<int>(vertices.begin(), vertices.end()), body.Y);
   field->set_loads(se.stress->of_loads);
   field->set_inertia(se.stress->of_acceleration, superelement::rigid_motions(se), body.coupling,
-                     nodes.empty() ? std::nullopt : left_out_modes(se, body, nodes));
+                     left_out_modes(se, body, nodes), StiffeningLoads(se, nodes));
   if (!se.stress->compliance.empty())
     field->set_compliance(se.stress->compliance, {se.stress->material.begin(), se.stress->material.end()});
   for (const auto& [name, point] : s.table_map("stress_point"))

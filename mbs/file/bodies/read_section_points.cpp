@@ -55,8 +55,11 @@ int member_named(const Section& point, const SectionPoints& points) {
   return static_cast<int>(found - known.begin());
 }
 
+// Of a member's length: further away from it a position is told, or refused.
+constexpr double kOffToTell = 0.01, kOffToRefuse = 1.0;
+
 SectionPoints::Wanted wanted_section(const std::string& name, const Section& point,
-                                     const SectionPoints& points) {
+                                     const SectionPoints& points, std::vector<std::string>& notes) {
   SectionPoints::Wanted wanted{.name = name, .member = member_named(point, points)};
   wanted.axes = point.text("axes") == "member" ? SectionPoints::Axes::member : SectionPoints::Axes::section;
   if (point.has("position") + point.has("along") + point.has("share") != 1)
@@ -79,17 +82,35 @@ SectionPoints::Wanted wanted_section(const std::string& name, const Section& poi
   const std::vector<SectionPoints::Near> near = points.nearest(position, wanted.member);
   if (near.size() > 1) {
     std::vector<std::string> names;
-    for (const SectionPoints::Near& place : near)
+    bool is_on = true;
+    for (const SectionPoints::Near& place : near) {
+      is_on = is_on && place.distance <= kOffToTell * points.length(place.member);
       names.push_back(fmt::format("\"{}\"", points.members()[static_cast<std::size_t>(place.member)]));
+    }
     point.refuse(
         "position",
         fmt::format(
-            "({:.6g}, {:.6g}, {:.6g}) m is on members {} alike, and the section forces of each are its own",
-            position.x(), position.y(), position.z(), fmt::join(names, ", ")),
+            "({:.6g}, {:.6g}, {:.6g}) m is {} members {}{}, and the section forces of each are its own",
+            position.x(), position.y(), position.z(),
+            is_on ? "on" : fmt::format("equally far, {:.4g} m, from", near.front().distance),
+            fmt::join(names, ", "), is_on ? " alike" : ""),
         fmt::format("name one: member = {}", names.front()));
   }
   wanted.member = near.front().member;
   wanted.share = near.front().share;
+  const double off = near.front().distance, length = points.length(wanted.member);
+  const std::string& member = points.members()[static_cast<std::size_t>(wanted.member)];
+  if (off > kOffToRefuse * length)
+    point.refuse(
+        "position",
+        fmt::format("({:.6g}, {:.6g}, {:.6g}) m is {:.4g} m from member \"{}\", which is {:.4g} m long{}",
+                    position.x(), position.y(), position.z(), off, member, length,
+                    point.has("member") ? "" : " and the nearest"),
+        "give a place on a member in the part's frame, undeformed, or name member and share");
+  if (off > kOffToTell * length)
+    notes.push_back(
+        fmt::format("{}: {:.4g} m from member \"{}\"; its section force is that at {:.4g} m of it",
+                    point.where("position"), off, member, wanted.share * length));
   return wanted;
 }
 
@@ -103,10 +124,10 @@ std::shared_ptr<const SectionPoints> read_section_points(const Section& s,
   if (!se.sections || se.sections->members.empty())
     s.refuse("section_point", "the superelement has no section forces",
              "reduce a beam part (members with sections); solid parts have stress_point");
-  auto out = std::make_shared<SectionPoints>(*se.sections, body,
-                                             nodes.empty() ? std::nullopt : left_out_modes(se, body, nodes));
+  auto out = std::make_shared<SectionPoints>(*se.sections, body, left_out_modes(se, body, nodes),
+                                             StiffeningLoads(se, nodes));
   for (const auto& [name, point] : s.table_map("section_point"))
-    out->add_point(wanted_section(name, point, *out));
+    out->add_point(wanted_section(name, point, *out, notes));
   if (!out->is_whole())
     notes.push_back(fmt::format(
         "{}: the superelement does not know what weight, inertia and load cases bear on a section within a "

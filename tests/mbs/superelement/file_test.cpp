@@ -82,6 +82,7 @@ Superelement complete_beam() {
   sections.of_acceleration = some(48, 12);
   sections.of_deformation = some(48, 9 * n).cast<float>();
   sections.turning = some(24, n);
+  sections.of_stiffening = some(48, (12 + se.n_b + 2) * n).cast<float>();
   return se;
 }
 
@@ -157,6 +158,7 @@ void expect_same(const Superelement& a, const Superelement& b) {
     EXPECT_EQ(a.sections->of_acceleration, b.sections->of_acceleration);
     EXPECT_EQ(a.sections->of_deformation, b.sections->of_deformation);
     EXPECT_EQ(a.sections->turning, b.sections->turning);
+    EXPECT_EQ(a.sections->of_stiffening, b.sections->of_stiffening);
   }
 }
 
