@@ -23,8 +23,9 @@
 ///   It counts in full, as if the output were nothing but deformation;
 /// - stress of a body, where it is stored: what its reduction says of the greatest under loads on its interfaces,
 ///   unknown where that is unbounded and at stress points; beside what the mesh makes of deformation;
-/// - section forces and stress by a body's own loads (weight, inertia, load cases): unknown where its superelement does
-///   not know what these add between the interfaces; else they are in the figures, and cost nothing;
+/// - section forces and stress by a body's own loads (weight, inertia, load cases, tension): unknown where its superelement
+///   does not know what these add between the interfaces; else they are in the figures, and cost nothing;
+/// - section forces of one-way bodies: unknown;
 /// - elements of beams: two runs more with other numbers of them (mbs/study/estimate/elements_check.hpp), where the user
 ///   asked for it or for an accuracy.
 ///

@@ -76,11 +76,21 @@ void add_own_loads(const mbs::BodyDescription& body, const std::vector<std::stri
                    const StoredStress& stress, std::vector<ErrorSource>& sources) {
   const std::string remedy =
       "they lack what weight, inertia and load cases bear on the body inside; reduce the part again";
-  if (body.sections && !body.sections->is_whole() &&
+  if (body.sections &&
       std::ranges::any_of(body.sections->points(), [&](const mbs::SectionPoints::Point& point) {
         return is_stored_of(stored, fmt::format("{}.{}.", body.name, point.wanted.name));
-      }))
-    sources.push_back({"section_forces", body.name, {}, 0.0, remedy});
+      })) {
+    const auto add = [&](const std::string& note) {
+      sources.push_back({"section_forces", body.name, {}, 0.0, note});
+    };
+    if (!body.sections->is_whole())
+      add(remedy);
+    else if (!body.sections->knows_stiffening())
+      add("they lack what tension along its members bears on a cut; reduce the part again");
+    if (!body.flexible->acts_back())
+      add("a one-way body's vibration is in its cuts and not in its joints' forces; compare with fidelity = "
+          "\"modal\"");
+  }
   if (stress.any() && !body.stress->has_inertia())
     sources.push_back(
         {"stress_of_own_loads",
