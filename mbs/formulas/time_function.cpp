@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <vector>
 
 #include "mbs/formulas/interval_evaluation.hpp"
@@ -166,6 +167,20 @@ std::string TimeFunction::fingerprint() const {
     for (const int arg : node.args) text += fmt::format(",{}", arg);
   }
   return text;
+}
+
+double TimeFunction::size(const FormulaTree& tree, const Source& source) {
+  std::map<const FormulaTree*, double> known;
+  const auto measure = [&](const auto& self, const FormulaTree& one) -> double {
+    if (const auto found = known.find(&one); found != known.end()) return found->second;
+    double sum = 0.0;
+    for (const FormulaNode& node : one.nodes) {
+      const FormulaTree* other = node.code == signal && node.place > 0 ? source(node.place) : nullptr;
+      sum += other ? self(self, *other) : 1.0;
+    }
+    return known[&one] = sum;
+  };
+  return measure(measure, tree);
 }
 
 std::vector<int> TimeFunction::parts(const FormulaTree& tree, const Source& source) {

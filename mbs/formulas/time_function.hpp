@@ -40,6 +40,8 @@ class TimeFunction {
   /// The same for functions that are the same.
   std::string fingerprint() const;
 
+  /// How large `tree` is with what it reads put in: nodes of measures that read one another multiply.
+  static double size(const FormulaTree& tree, const Source& source);
   /// Nodes of `tree` that are functions of time, each as large as can be, without constants.
   static std::vector<int> parts(const FormulaTree& tree, const Source& source);
 

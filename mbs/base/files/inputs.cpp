@@ -2,6 +2,9 @@
 #include "mbs/base/files/inputs.hpp"
 
 #include <fmt/format.h>
+#include <linux/magic.h>
+#include <sys/stat.h>
+#include <sys/vfs.h>
 
 #include <map>
 #include <mutex>
@@ -57,6 +60,22 @@ void require_no_device(const fs::path& file) {
     throw std::invalid_argument(
         fmt::format("{}: is a device or a pipe, a file is wanted; write what comes from it into a file first",
                     file.string()));
+  struct stat info {};
+  struct statfs system {};
+  if (!fs::is_regular_file(status) || ::stat(file.c_str(), &info) != 0) return;
+  // Files of the kernel may wait for ever and have no end.
+  if (::statfs(file.c_str(), &system) == 0 &&
+      (system.f_type == PROC_SUPER_MAGIC || system.f_type == SYSFS_MAGIC))
+    throw std::invalid_argument(fmt::format(
+        "{}: is a file of the kernel, one on a disk is wanted; copy what it says into a file first",
+        file.string()));
+  // Of what is read by and by only its own end would stop it.
+  constexpr double kLarge = 1e9, kHoles = 1000.0, kBlock = 512.0;
+  const auto size = static_cast<double>(info.st_size);
+  if (size > kLarge && size > kHoles * kBlock * static_cast<double>(info.st_blocks))
+    throw std::invalid_argument(fmt::format(
+        "{}: is {:.3g} GB long, of which the disk holds {:.3g} MB; it is damaged or made to fill the memory",
+        file.string(), 1e-9 * size, 1e-6 * kBlock * static_cast<double>(info.st_blocks)));
 }
 
 void note_input(const fs::path& file) {

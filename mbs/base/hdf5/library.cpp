@@ -2,6 +2,7 @@
 #include "mbs/base/hdf5/library.hpp"
 
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <map>
@@ -98,15 +99,84 @@ constexpr double kFree = 256.0 * (1 << 20);
 }
 }  // namespace
 
+namespace {
+
+// What a deflated stream stands for [bytes], counted no further than `most`.
+double inflated_size(const std::vector<unsigned char>& packed, double most) {
+  z_stream stream{};
+  if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
+  std::vector<unsigned char> out(1 << 16);
+  stream.next_in = const_cast<unsigned char*>(packed.data());
+  stream.avail_in = static_cast<unsigned>(packed.size());
+  int status = Z_OK;
+  double bytes = 0.0;
+  while (status == Z_OK && bytes <= most) {
+    stream.next_out = out.data();
+    stream.avail_out = static_cast<unsigned>(out.size());
+    status = inflate(&stream, Z_NO_FLUSH);  // what is damaged HDF5 tells
+    bytes += static_cast<double>(out.size() - stream.avail_out);
+  }
+  inflateEnd(&stream);
+  return bytes;
+}
+
+// HDF5 unpacks a chunk to the end of its stream, however long the chunk is.
+void require_bounded_chunks(hid_t dataset, const Shape& shape, double type_size, const std::string& label) {
+  const Handle properties = owned(H5Dget_create_plist(dataset), H5Pclose, label);
+  if (shape.empty() || H5Pget_layout(properties.get()) != H5D_CHUNKED) return;
+  int n_deflates = 0;
+  for (int k = 0; k < H5Pget_nfilters(properties.get()); ++k) {
+    unsigned flags = 0, configuration = 0;
+    std::size_t n_values = 0;
+    n_deflates += H5Pget_filter2(properties.get(), static_cast<unsigned>(k), &flags, &n_values, nullptr, 0,
+                                 nullptr, &configuration) == H5Z_FILTER_DEFLATE;
+  }
+  if (n_deflates == 0) return;
+  if (n_deflates > 1)
+    throw BadFile(label + ": is packed more than once; it is damaged or made to fill the memory");
+  std::vector<hsize_t> chunk(shape.size()), at(shape.size(), 0);
+  check(H5Pget_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data()), label);
+  double bytes = type_size;
+  for (const hsize_t n : chunk) bytes *= static_cast<double>(n);
+  constexpr double kHarmless = 1 << 30;
+  for (bool more = true; more;) {
+    unsigned mask = 0;
+    haddr_t address = HADDR_UNDEF;
+    hsize_t stored = 0;
+    check(H5Dget_chunk_info_by_coord(dataset, at.data(), &mask, &address, &stored), label);
+    // Streams of deflate are longer than what they stand for by 5 bytes in 16,384 at most.
+    const double size = static_cast<double>(stored);
+    if (address != HADDR_UNDEF && size > 1.01 * bytes + 1024.0) refuse_size(label, kMostPacked * size, size);
+    if (address != HADDR_UNDEF && kMostPacked * size > kHarmless) {
+      std::vector<unsigned char> packed(stored);
+      std::uint32_t used = 0;
+      check(H5Dread_chunk(dataset, H5P_DEFAULT, at.data(), &used, packed.data()), label);
+      if (const double is = inflated_size(packed, bytes + 1024.0); is > bytes + 1024.0)
+        refuse_size(label, is, size);
+    }
+    more = false;
+    for (std::size_t i = shape.size(); i-- > 0 && !more;) {
+      at[i] += chunk[i];
+      more = at[i] < shape[i];
+      if (!more) at[i] = 0;
+    }
+  }
+}
+
+}  // namespace
+
 void require_stored(hid_t dataset, const std::string& label) {
   double bytes = 1.0;
-  for (const std::size_t n : shape_of(dataset, label)) bytes *= static_cast<double>(n);
+  const Shape shape = shape_of(dataset, label);
+  for (const std::size_t n : shape) bytes *= static_cast<double>(n);
   const Handle type = owned(H5Dget_type(dataset), H5Tclose, label);
-  bytes *= static_cast<double>(H5Tget_size(type.get()));
+  const auto type_size = static_cast<double>(H5Tget_size(type.get()));
+  bytes *= type_size;
   // A writer at work may have made room for rows that are not there yet.
   constexpr double kUnderWay = 16.0 * (1 << 20);
   const double stored = static_cast<double>(H5Dget_storage_size(dataset));
   if (bytes > kUnderWay + kMostPacked * stored) refuse_size(label, bytes, stored);
+  require_bounded_chunks(dataset, shape, type_size, label);
 }
 
 void count_read(hid_t dataset, double bytes, const std::string& label) {

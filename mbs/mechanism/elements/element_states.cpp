@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <stdexcept>
 
 #include "mbs/formulas/operations.hpp"
 
@@ -224,6 +225,13 @@ void ElementStates::list_conditions(const std::vector<bool>& is_used) {
     // What only the results show moves nothing.
     if (std::ranges::find(idle, f.expression.get()) != idle.end()) continue;
     const FormulaTree& tree = f.expression->tree();
+    constexpr double kLargest = 1e5;
+    if (const double size = TimeFunction::size(tree, source); size > kLargest)
+      throw std::invalid_argument(
+          fmt::format("{}: is of {:.3g} parts with the measures and inputs that it reads put in, {:g} are "
+                      "allowed; let them read "
+                      "one another less often",
+                      f.expression->where(), size, kLargest));
     for (const int part : TimeFunction::parts(tree, source)) {
       auto function =
           std::make_shared<const TimeFunction>(f.expression->where(), f.drives, tree, part, source);

@@ -191,6 +191,14 @@ bool has_deformation(const Mechanism& mechanism) {
 }
 
 void assemble_start(StartedMechanism& out, const GivenState& given) {
+  // A dense matrix of as many rows takes 0.8 GB.
+  constexpr int kMostSpeeds = 10'000;
+  if (const int n = out.mechanism->sizes().n_v; n > kMostSpeeds)
+    throw std::invalid_argument(
+        fmt::format("the mechanism has {} speeds, {} are taken, since their matrices are dense; fix bodies "
+                    "to one another by "
+                    "joints, or keep fewer modes",
+                    n, kMostSpeeds));
   AssembleOptions keep;
   keep.keep_position = velocities_of(*out.mechanism, out.state, given.positions);
   keep.keep_velocity = given.velocities;

@@ -95,9 +95,10 @@ std::vector<bool> take(const Json& document, const char* key, const std::filesys
     if (found == known.end())
       throw std::invalid_argument(fmt::format("{}: {}: the mechanism has no state \"{}\"{}", path.string(),
                                               key, state, input::suggestion(state, known)));
-    if (!value.is_number() || !std::isfinite(value.get<double>()))
-      throw std::invalid_argument(
-          fmt::format("{}: {}: \"{}\" must be a number; correct it there", path.string(), key, state));
+    constexpr double kLargest = 1e40;  // as of any input
+    if (!value.is_number() || !(std::abs(value.get<double>()) <= kLargest))
+      throw std::invalid_argument(fmt::format("{}: {}: \"{}\" must be a number, up to 1e40; correct it there",
+                                              path.string(), key, state));
     x(found - known.begin()) = value.get<double>();
     taken[found - known.begin()] = true;
   }

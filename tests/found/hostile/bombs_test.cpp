@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 
 #include "mbs/base/hdf5/file.hpp"
@@ -189,6 +190,65 @@ TEST(Bombs, OfHdf5AreHeldAgainstTheirFile) {
 }
 
 // A link under the name of an output leads to no file of another kind.
+// One chunk whose stream goes on for 64 MB where 1.5 kB belong; and one that is packed twice.
+TEST(Bombs, OfHdf5ChunksAreHeldAgainstTheirSize) {
+  const Folder folder;
+  std::vector<unsigned char> zeros(64'000'000), packed(compressBound(zeros.size()));
+  uLongf n = packed.size();
+  ASSERT_EQ(compress(packed.data(), &n, zeros.data(), zeros.size()), Z_OK);
+  for (const int deflates : {1, 2}) {
+    const fs::path path = folder / ("chunk" + std::to_string(deflates) + ".h5");
+    const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    const hsize_t size[2] = {14, 14}, first[2] = {0, 0};
+    const hid_t space = H5Screate_simple(2, size, nullptr), properties = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_chunk(properties, 2, size);
+    for (int k = 0; k < deflates; ++k) H5Pset_deflate(properties, 6);
+    const hid_t data = H5Dcreate2(file, "K", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+    ASSERT_GE(H5Dwrite_chunk(data, H5P_DEFAULT, 0, first, n, packed.data()), 0);
+    H5Dclose(data), H5Pclose(properties), H5Sclose(space), H5Fclose(file);
+    const hdf5::File opened(path, hdf5::Mode::read);
+    try {
+      hdf5::read_matrix(opened.root(), "K", 14, 14);
+      FAIL() << deflates;
+    } catch (const hdf5::BadFile& refused) {
+      EXPECT_THAT(refused.what(), HasSubstr("made to fill the memory"));
+    }
+  }
+}
+
+TEST(Bombs, OfBodiesAndMeasuresAreCounted) {
+  const Folder folder;
+  std::string bodies = "gravity = [0, 0, 0]\n";
+  for (int k = 0; k < 1700; ++k)
+    bodies += "[body.b" + std::to_string(k) + "]\nmass = 1\ninertia = [1, 1, 1]\n";
+  expect_refused({"check", folder.write("bodies.toml", bodies)}, "has 10200 speeds, 10000 are taken");
+  std::string measures =
+      "[body.b]\nmass = 1\ninertia = [1, 1, 1]\n[joint.j]\ntype = \"revolute\"\nfrom = \"ground\"\nto = "
+      "\"b\"\n"
+      "[force.f]\ntype = \"joint_force\"\njoint = \"j\"\nvalue = \"m60\"\n[measure.m0]\ntype = "
+      "\"formula\"\nvalue = \"t\"\n";
+  for (int k = 1; k <= 60; ++k) {
+    const std::string last = "m" + std::to_string(k - 1);
+    measures += "[measure.m" + std::to_string(k) + "]\ntype = \"formula\"\nvalue = \"" + last + "*" + last +
+                "+sin(" + last + ")\"\n";
+  }
+  expect_refused({"check", folder.write("measures.toml", measures)}, "let them read one another less often");
+}
+
+// A terabyte that takes no room on the disk, and what the kernel makes up.
+TEST(Bombs, OfSparseFilesAreRefused) {
+  const Folder folder;
+  for (const char* name : {"big.toml", "big.json", "big.stl"}) {
+    std::ofstream(folder / name).put('\n');
+    fs::resize_file(folder / name, 1ull << 40);
+  }
+  const std::string why = "made to fill the memory";
+  expect_refused({"reduce", folder / "big.toml"}, why);
+  expect_refused({"report", folder / "big.json", "-o", folder / "big.html"}, why);
+  expect_refused({"reduce", "--list-faces", folder / "big.stl"}, why);
+  expect_refused({"check", "/proc/kmsg"}, "is a file of the kernel");
+}
+
 TEST(Bombs, OutputsLeaveFilesOfOtherKindsBehindLinks) {
   const Folder folder, mine;
   const fs::path precious = mine.write(".bashrc", "precious");
