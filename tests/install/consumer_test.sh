@@ -12,6 +12,7 @@ cmake -S "$work/consumer" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/usr" -DCMA
 cmake --build "$work/build" >"$work/build.log" || { cat "$work/build.log"; exit 1; }
 "$work/build/consumer"
 "$work/build/native"
+python3 -c 'import ctypes, sys; sys.exit(ctypes.CDLL(sys.argv[1]).run_down())' "$work/build/libwheel.so"
 # Who goes past the package with another alignment is stopped by the linker, whatever the machine.
 if "$compiler" -std=c++20 -DEIGEN_MAX_ALIGN_BYTES=64 -I "$work/usr/include/flexura" -isystem /usr/include/eigen3 "$work/consumer/main.cpp" \
   -o "$work/unlike" "$work/usr/lib/flexura/libflexura_library.a" >"$work/unlike.log" 2>&1; then echo "a program of another alignment is linked"; exit 1; fi
