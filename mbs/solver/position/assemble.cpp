@@ -151,6 +151,15 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
                     "close the loops",
                     names_of_positions(eq, start, options.keep)));
   };
+  // Each start costs up to max_iterations factorisations: mechanisms of many coordinates do without.
+  const auto far = [&](const Eigen::VectorXd& free, bool kept) {
+    if (!options.search_far || nearest.acceptable || n_v > 150) return false;
+    for (const double nudge : {0.3, 0.6, 1.2, 2.4})
+      for (const double pattern : {0.0, 1.9, 3.1, 4.3})
+        if (attempt(free, nudge, kept, pattern)) return true;
+    return false;
+  };
+  if (far(keeping, true)) return out;
   if (any(options.keep)) {
     const Eigen::VectorXd reluctant = freedoms(n_v, options, kReluctant);
     for (const double nudge : kNudges)
@@ -158,17 +167,11 @@ Closing close_positions(const Equations& eq, State& s, const ClosingOptions& opt
         say_moved();
         return out;
       }
+    if (far(reluctant, false)) {
+      say_moved();
+      return out;
+    }
   }
-  // Each start costs up to max_iterations factorisations: mechanisms of many coordinates do without.
-  if (options.search_far && !nearest.acceptable && n_v <= 150)
-    for (const bool kept : {true, false})
-      for (const double nudge : {0.3, 0.6, 1.2, 2.4})
-        for (const double pattern : {0.0, 1.9, 3.1, 4.3}) {
-          if (!kept && !any(options.keep)) continue;
-          if (!attempt(freedoms(n_v, options, kept ? 0.0 : kReluctant), nudge, kept, pattern)) continue;
-          if (!kept) say_moved();
-          return out;
-        }
   if (nearest.acceptable) {
     // Parts that do not fit exactly, like a loop around an axis whose markers stand a nanometre apart along
     // it.
@@ -240,6 +243,7 @@ void assemble_velocities(const Equations& eq, State& s, const AssembleOptions& o
   Eigen::VectorXd typical(n.n_v);
   for (int i = 0; i < n.n_v; ++i) typical(i) = eq.velocity_scale(i);
   SaddleSolver saddle;
+  Eigen::Array<bool, Eigen::Dynamic, 1> open;
   auto attempt = [&](const std::vector<bool>& keep) {
     std::vector<bool> is_free(keep);
     is_free.flip();
@@ -265,15 +269,26 @@ void assemble_velocities(const Equations& eq, State& s, const AssembleOptions& o
     constexpr double kRunaway = 1e8;
     const double wanted = std::max({start.cwiseQuotient(typical).lpNorm<Eigen::Infinity>(),
                                     g_t.cwiseQuotient(sizes.size).lpNorm<Eigen::Infinity>(), 1e-300});
-    return (g_dot.cwiseAbs().array() <= allowed.array()).all() &&
-           s.v.cwiseQuotient(typical).lpNorm<Eigen::Infinity>() <= kRunaway * wanted;
+    open = g_dot.cwiseAbs().array() > allowed.array();
+    return !open.any() && s.v.cwiseQuotient(typical).lpNorm<Eigen::Infinity>() <= kRunaway * wanted;
   };
   if (attempt(options.keep_velocity)) return;
-  if (any(options.keep_velocity) && attempt({})) {
+  // First those alone that the rows in question see, as where a drive contradicts the speeds of a whole state.
+  std::vector<bool> beside = options.keep_velocity;
+  for (std::size_t i = 0; i < beside.size(); ++i)
+    for (int k = 0; k < n.n_lambda; ++k)
+      if (open(k) && G(k, static_cast<Eigen::Index>(i)) != 0.0) beside[i] = false;
+  if (any(options.keep_velocity) && (attempt(beside) || attempt({}))) {
     report.velocities_kept = false;
+    // A whole state prescribes all of them, and a drive changes its own alone.
+    constexpr double kRoundOff = 1e-9;
+    const double largest = s.v.cwiseQuotient(typical).lpNorm<Eigen::Infinity>();
+    std::vector<bool> changed = options.keep_velocity;
+    for (int i = 0; i < n.n_v; ++i)
+      if (std::abs(s.v(i) - start(i)) <= kRoundOff * largest * typical(i)) changed[i] = false;
     report.notes.push_back(
         fmt::format("the prescribed initial velocities {} contradict the constraints and were changed",
-                    names_of(eq, options.keep_velocity)));
+                    names_of(eq, changed)));
     return;
   }
   throw AssemblyError(

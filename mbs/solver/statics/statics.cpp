@@ -238,6 +238,9 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       unshifted.topLeftCorner(n_v, n_v) = K.topRows(n_v);
       held = rows_of_free_places(unshifted, tangents.G, following);
     }
+    // A state whose rate is nothing at rest, whatever there is (of a friction that sticks), stays as it is.
+    for (int k = n_v; k < n_v + n_c; ++k)
+      if (F(k) == 0.0 && J.row(k).isZero(0.0)) J(k, k) = 1.0;
     // The regularisation below is small beside the compliance of what the constraints hold only if that is 1.
     if (n_v > 0) {
       const Eigen::VectorXd by_stiffness = units_of_stiffness(K.topRows(n_v), tangents.G, scale.head(n_v));
