@@ -382,6 +382,12 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
       if (s.has(key))
         notes.push_back(
             fmt::format("body \"{}\" is static and takes no eigenmodes: {} is of no account", name, key));
+    if (s.has("coupling") && options.coupling != Coupling::constant)
+      notes.push_back(
+          fmt::format("body \"{}\" is static: its equations have the inertia of the undeformed body, "
+                      "coupling = \"{}\" is of no "
+                      "account; its section forces and stresses have the whole",
+                      name, coupling));
     if (options.loads.cols() == 0)
       s.refuse(
           "fidelity",

@@ -5,11 +5,13 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <tuple>
 
 #include "mbs/solver/integrators/known_times.hpp"
 #include "mbs/study/estimate/beyond_first_order.hpp"
 #include "mbs/study/estimate/influence.hpp"
+#include "mbs/study/estimate/recovered_outputs.hpp"
 #include "mbs/study/estimate/step_looks.hpp"
 
 namespace flexura::study {
@@ -24,6 +26,7 @@ struct Shadows::Impl {
       : full(full_model),
         embedding(*run.mechanism, full_model),
         asked(!run.file.outputs.empty()),
+        starts_quasi_static(run.options.quasi_static_start),
         tolerance(tolerance_of_noise(run)),
         families(full_model.mechanism(), length_of(run)),
         every(rows_between(run)),
@@ -44,15 +47,15 @@ struct Shadows::Impl {
   bool jumped = false;
   std::vector<int> outputs;
   std::vector<OutputEstimate> sums;
+  std::optional<RecoveredOutputs> recovered;
   MatrixXd source_sums, last_source;  // outputs x sources: integral of the error squared
   VectorXd square, square_size, last_square, last_size;
-  bool asked = false;  // the user named the outputs
+  bool asked = false, starts_quasi_static = false;  // asked: the user named the outputs
   double tolerance;
   Families families;
   bool joints_feel_nothing = false;
   long every = 1, compared = 1, rows = 0, even_rows = 0, taken = 0;
-  long for_families =
-      1;  // one of so many even rows tells how large forces and motions are: all outputs cost much more than a few
+  long for_families = 1;  // one of so many even rows tells how large forces and motions are
   double t_compared = 0.0;
   double wall = 0.0, t = 0.0, span = 0.0;
   double missed = 0.0, rows_apart = 0.0;
@@ -68,7 +71,7 @@ struct Shadows::Impl {
   void look_behind_start(double start, double end);
   void list_transients();
   bool follow(const mbs::State& at, const VectorXd& v_dot_at, bool is_row);
-  void compare(double h);
+  void compare(const mbs::State& at, const VectorXd& v_dot_at, double h);
 };
 
 // The residual, split by the body it acts on.
@@ -100,8 +103,11 @@ bool Shadows::Impl::jumps_before(double now) {
   return any;
 }
 
-void Shadows::Impl::compare(double h) {
+void Shadows::Impl::compare(const mbs::State& at, const VectorXd& v_dot_at, double h) {
   full.evaluate(outputs, s, v_dot, y);
+  VectorXd follows = recovered->beyond(at, v_dot_at, y);
+  // The shadows begin undeformed, whatever the run does.
+  if (taken == 0 && starts_quasi_static) follows.setZero();
   const Index n = y.size(), n_sources = static_cast<Index>(sources.size());
   VectorXd now_square(n), now_size(n);
   MatrixXd now_source = MatrixXd::Zero(n, n_sources);
@@ -120,11 +126,17 @@ void Shadows::Impl::compare(double h) {
     if (!all || n_sources == 1)
       beyond->take(all ? 0 : static_cast<std::size_t>(k), by, part(correction->acceleration()), moved,
                    part(load));
-    if (!all) now_source.col(k) = (y_moved - y).cwiseAbs2();
+    if (all) continue;
+    const std::string& body = full.blocks()[sources[static_cast<std::size_t>(k)]].name;
+    for (Index i = 0; i < n; ++i) {
+      const bool is_own = recovered->owner(i) == body;
+      const double error = y_moved(i) - y(i) - (is_own ? follows(i) : 0.0);
+      now_source(i, k) = error * error;
+    }
   }
   for (Index i = 0; i < n; ++i) {
     OutputEstimate& sum = sums[static_cast<std::size_t>(i)];
-    const double error = std::abs(y_moved(i) - y(i));
+    const double error = std::abs(y_moved(i) - y(i) - follows(i));
     sum.max = std::max(sum.max, error);
     sum.size_max = std::max(sum.size_max, std::abs(y_moved(i)));
     sum.final = error;
@@ -179,6 +191,7 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
   }
   if (in.sources.empty()) return nullptr;
   in.outputs = judged_outputs(run, full.mechanism(), in.sums);
+  in.recovered.emplace(*run.mechanism, in.sums);
   constexpr std::size_t kMostLooks = 400;
   in.rows_apart = static_cast<double>(in.every) * run.options.output_step;
   constexpr double kRowsForFamilies = 100.0;
@@ -234,7 +247,7 @@ bool Shadows::Impl::follow(const mbs::State& at, const VectorXd& v_dot_at, bool 
   if (jumped) transients.begin();
   correction->step(h, *linearised.row(), linearised.G(), loads(), &transients, jumped);
   if (taken % compared == 0) {
-    compare(taken > 0 ? at.t - t_compared : 0.0);
+    compare(at, v_dot_at, taken > 0 ? at.t - t_compared : 0.0);
     t_compared = at.t;
   }
   // Sizes are means over rows, which lie evenly.

@@ -32,7 +32,8 @@
 /// loss is of order one.
 ///
 /// The error of an output y is y(p + delta, v + delta', v' + delta'', lambda + dlambda) - y(p, v, v',
-/// lambda), both in the full model.
+/// lambda), both in the full model; of section forces and stresses, where what is left out follows its loads, less what the
+/// run itself says.
 namespace flexura::study {
 
 struct SourceEstimate {
