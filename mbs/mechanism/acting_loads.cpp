@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <set>
+#include <utility>
 
 namespace flexura::mbs {
 namespace {
@@ -96,6 +97,47 @@ const JointDescription* frame_joint(const MechanismDescription& d, int body) {
       if (joint.cut == cut)
         if (const int marker = marker_on(d, joint, body); marker >= 0 && d.markers[marker].node >= 0)
           return &joint;
+  return nullptr;
+}
+
+const JointDescription* joint_to_payload(const MechanismDescription& d, int body) {
+  const auto on = [&](int marker) { return d.markers[static_cast<std::size_t>(marker)].body; };
+  std::vector<std::pair<int, int>> links;
+  for (const JointDescription& joint : d.joints) links.emplace_back(on(joint.marker_F), on(joint.marker_M));
+  for (const auto& constraint : d.constraints)
+    for (const int marker : constraint->markers())
+      links.emplace_back(on(constraint->markers().front()), on(marker));
+  std::vector<bool> is_held(d.bodies.size(), false);
+  const auto spread = [&](int seed) {
+    is_held[static_cast<std::size_t>(seed)] = true;
+    for (bool grows = true; grows;) {
+      grows = false;
+      for (const auto& [a, b] : links) {
+        const bool from = is_held[static_cast<std::size_t>(a)], to = is_held[static_cast<std::size_t>(b)];
+        if (a == body || b == body || from == to) continue;
+        is_held[static_cast<std::size_t>(from ? b : a)] = grows = true;
+      }
+    }
+  };
+  const auto beyond = [&](const JointDescription&
+                              joint) {  // the body at the joint's other end; -1 where it is not one of its
+    const int F = on(joint.marker_F), M = on(joint.marker_M);
+    return F == body ? M : M == body ? F : -1;
+  };
+  const auto is_supported = [&](const JointDescription& joint) {
+    const int other = beyond(joint);
+    return other >= 0 && is_held[static_cast<std::size_t>(other)];
+  };
+  spread(0);
+  // Where nothing leads to the ground, what the first joint comes from carries it: a boom on a free hub.
+  if (std::ranges::none_of(d.joints, is_supported))
+    for (const JointDescription& joint : d.joints)
+      if (on(joint.marker_M) == body) {
+        spread(on(joint.marker_F));
+        break;
+      }
+  for (const JointDescription& joint : d.joints)
+    if (beyond(joint) >= 0 && !is_supported(joint)) return &joint;
   return nullptr;
 }
 

@@ -24,6 +24,10 @@ bool locks_the_same_wherever_it_is(const MechanismDescription& d, const JointDes
 /// The joint that a joint-fixed frame sits on: the first one (not cut) that leads to the body.
 const JointDescription* frame_joint(const MechanismDescription& d, int body);
 
+/// The joint that leads from the body to one which nothing else holds or carries, and which hangs on it so; nullptr where there
+/// is none.
+const JointDescription* joint_to_payload(const MechanismDescription& d, int body);
+
 /// n_se x k: the directions that the joint locks at its marker on the body.
 Eigen::MatrixXd held_directions(const BodyNodes& nodes, const MechanismDescription& d,
                                 const JointDescription& joint, int body);

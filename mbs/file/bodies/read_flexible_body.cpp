@@ -285,6 +285,17 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
   if (s.has("max_frequency")) options.max_frequency = s.quantity("max_frequency");
   options.response_frequency = s.quantity("response_frequency");
 
+  if (!fidelity.acts_back)
+    if (const JointDescription* const joint = joint_to_payload(d, body)) {
+      const int other = joint->marker_F == marker_on(d, *joint, body) ? joint->marker_M : joint->marker_F;
+      s.refuse(
+          "fidelity",
+          fmt::format(
+              "body \"{}\" hangs on it by joint \"{}\": it would neither move with a deformation that does "
+              "not act back, nor weigh on it",
+              d.bodies[d.markers[static_cast<std::size_t>(other)].body].name, joint->name),
+          "use \"modal\" or \"static\"");
+    }
   // What a single joint holds vibrates as held there; the motion cannot tell a deformation so that does not act back.
   const auto joints = std::ranges::count_if(
       d.joints, [&](const JointDescription& joint) { return marker_on(d, joint, body) >= 0; });

@@ -40,6 +40,13 @@ x = "sin(t)"
 reaction = "bob"
 )toml";
 
+const char* const bob_on_a_rail = R"toml(
+[joint.rail]
+type = "prismatic"
+from = "ground"
+to = "bob"
+)toml";
+
 TEST_F(MechanismFileTest, SuperelementIsModalOrRigid) {
   const lattice::Lattice l = lattice::make_lattice(3);
   superelement::write(folder_ / "beam.se.h5", l.se);
@@ -91,14 +98,19 @@ TEST_F(MechanismFileTest, BodiesArePreparedForWhatActsOnThem) {
   EXPECT_GT(power.minCoeff(), 0.0);
   EXPECT_LT(power.maxCoeff(), std::sqrt(data.stiffness.maxCoeff()));  // by far no critical damping, 2 omega
 
+  // What hangs on a body whose deformation does not act back would stay where it is.
+  EXPECT_THAT(test::refusal_of([&] { read(flexible_pendulum, {"body.beam.fidelity=ked"}); }),
+              HasSubstr("body \"bob\" hangs on it by joint \"neck\": it would neither move"));
+  const std::string held_bob = std::string(flexible_pendulum) + bob_on_a_rail;
   for (const char* fidelity : {"ked", "static", "modal"}) {
     SCOPED_TRACE(fidelity);
-    all_identities_hold(Mechanism(read(flexible_pendulum, {std::string("body.beam.fidelity=") + fidelity,
-                                                           "body.beam.frame=joint_fixed"})
-                                      .description),
-                        5);
+    all_identities_hold(
+        Mechanism(read(std::string(fidelity) == "ked" ? held_bob : std::string(flexible_pendulum),
+                       {std::string("body.beam.fidelity=") + fidelity, "body.beam.frame=joint_fixed"})
+                      .description),
+        5);
   }
-  const Mechanism ked(read(flexible_pendulum, {"body.beam.fidelity=ked"}).description);
+  const Mechanism ked(read(held_bob, {"body.beam.fidelity=ked"}).description);
   EXPECT_EQ(ked.sizes().n_flx, 0);
   EXPECT_EQ(ked.sizes().n_dyn, 2 * 18);
 
@@ -244,8 +256,10 @@ TEST_F(MechanismFileTest, MarkersFollowSeveralNodes) {
     EXPECT_LT((place(file.description, name) - place(rigid, name)).norm(), 1e-15) << name;
   for (const char* how : {"fidelity=ked", "fidelity=static", "frame=joint_fixed", "attachments=used"}) {
     SCOPED_TRACE(how);
-    all_identities_hold(Mechanism(read(carried_by_several, {std::string("body.beam.") + how}).description),
-                        12);
+    all_identities_hold(
+        Mechanism(read(std::string(carried_by_several) + bob_on_a_rail, {std::string("body.beam.") + how})
+                      .description),
+        12);
   }
   // Both ends in one rigid piece: six deformations fewer.
   const std::string link = std::string(carried_by_several) +
