@@ -76,6 +76,7 @@ const EXEMPT = [
   ['mbs/view/', 'results and superelements that their readers have checked'],
   ['mbs/results/writer.cpp', 'rows that the recorder makes'],
   ['mbs/solver/integrators/ida/ida.cpp', 'what SUNDIALS says of itself; the steps where a force jumps are named with what to do in integrator.hpp'],
+  ['mbs/solver/run/bookkeeper.cpp', 'what is added to the sentence of a run that grows: which speed'],
   ['mbs/solver/run/make_integrator.cpp', 'names that options.cpp has checked'],
   ['mbs/solver/accuracy/integrator_kind.cpp', 'names that options.cpp has checked'],
   ['mbs/solver/integrators/sequence.cpp', 'the place before the sentence of an integrator'],

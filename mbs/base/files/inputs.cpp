@@ -74,7 +74,8 @@ void require_no_device(const fs::path& file) {
   const auto size = static_cast<double>(info.st_size);
   if (size > kLarge && size > kHoles * kBlock * static_cast<double>(info.st_blocks))
     throw std::invalid_argument(fmt::format(
-        "{}: is {:.3g} GB long, of which the disk holds {:.3g} MB; it is damaged or made to fill the memory",
+        "{}: is {:.3g} GB long, of which the disk holds {:.3g} MB; it is damaged or made to fill the memory; "
+        "copy it anew from where it came",
         file.string(), 1e-9 * size, 1e-6 * kBlock * static_cast<double>(info.st_blocks)));
 }
 

@@ -1,8 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/solver/run/bookkeeper.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -64,8 +62,8 @@ void Bookkeeper::watch_growth(double t) {
   const double travel = travelled_.cwiseAbs().maxCoeff(&farthest);
   growth_.observe(t, book_.account().now.kinetic, travel, 0.0);
   if (!growth_.reason().empty())
-    throw IntegrationError(fmt::format("{} (\"{}\" goes farthest)", growth_.reason(),
-                                       eq_.name_of_velocity(static_cast<int>(farthest))));
+    throw IntegrationError(growth_.reason() + " (\"" + eq_.name_of_velocity(static_cast<int>(farthest)) +
+                           "\" goes farthest)");
 }
 
 void Bookkeeper::enter_step(BookEntry& entry) {
