@@ -211,17 +211,21 @@ std::string Judge::change_along(const TurningAxes& axes, double tau, double& cha
       size_, VectorXd(s_.c(now.dynamic).cwiseAbs().cwiseMax(1.0)),
       1.0 + speed() * speed() + (n_.n_v > 0 ? v_dot_.cwiseQuotient(size_).lpNorm<Eigen::Infinity>() : 0.0)};
   const LaterSystem there_now{then, B};
+  // A millionth of the way on tells round-off from what changes.
+  constexpr double kAtOnce = 1e-6, kAbove = 10.0;
+  const auto beside = [&](double part) {
+    return LaterSystem{
+        in_turning_axes(sample(along(m_, {s_, v_dot_, c_rate_}, axes, part * tau)).system, axes.W),
+        turned(axes.W, part * tau)};
+  };
   change = largest_difference(now, there_now, sizes, where);
+  if (int unused = 0;
+      change > kSameCoefficient && change <= kAbove * largest_difference(now, beside(kAtOnce), sizes, unused))
+    change = 0.0;
   if (change <= kSameCoefficient) {
-    // A millionth of the way on tells round-off from what changes.
-    const auto beside = [&](double part) {
-      return LaterSystem{
-          in_turning_axes(sample(along(m_, {s_, v_dot_, c_rate_}, axes, part * tau)).system, axes.W),
-          turned(axes.W, part * tau)};
-    };
     std::string coupled;
-    change = std::max(change, largest_coupling_difference(now, beside(1e-6), there_now, beside(1.0 + 1e-6),
-                                                          sizes, coupled));
+    change = std::max(change, largest_coupling_difference(now, beside(kAtOnce), there_now,
+                                                          beside(1.0 + kAtOnce), sizes, coupled));
     if (change <= kSameCoefficient) return {};
     return fmt::format("what \"{}\" has to do with the motion changes along it, by {:.2g} % after {:.3g} s",
                        coupled, 100.0 * std::min(change, 1.0), tau);

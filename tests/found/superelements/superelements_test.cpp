@@ -137,6 +137,33 @@ TEST_F(SuperelementSamples, FlexDataOfAThinRodFarFromTheOriginIsRead) {
   }
 }
 
+// "Too badly conditioned": the own modes of a light shaft lie 1e5 times above those of the disc in its middle.
+TEST_F(SuperelementSamples, AHeavyDiscOnALightShaftIsReduced) {
+  std::string deck = "BEGIN BULK\nMAT1,1000,2.0+5,,0.3,1.0-9\nPBAR,1,1000,160.,2133.,2133.,3600.\n";
+  for (int k = 0; k <= 10; ++k) deck += fmt::format("GRID,{},,0.,0.,{}.0\n", 1001 + k, 100 * k);
+  for (int k = 0; k < 10; ++k) deck += fmt::format("CBAR,{},1,{},{},1.,0.,0.\n", 1 + k, 1001 + k, 1002 + k);
+  folder_.write("shaft.dat", deck + "CONM2,100,1006,,.015,,,,,+C1\n+C1,2.+3,,2.+3,,,3.+3\nENDDATA\n");
+  for (const char* density : {"1e-3", "1", "100"}) {
+    const std::string part = folder_.write(
+        "shaft.toml",
+        fmt::format("[geometry]\nfile = \"shaft.dat\"\nunit = \"mm\"\n[material.\"1000\"]\ndensity = {}\n"
+                    "[interface.a]\nby = \"nodes\"\nnodes = [1001]\n[interface.b]\nby = \"nodes\"\n"
+                    "nodes = [1011]\n[modes]\ncount = 6\n",
+                    density));
+    const Outcome outcome = test::run("flexura", {"reduce", part, "-q", "-o", folder_ / "shaft.se.h5"});
+    ASSERT_EQ(outcome.exit_code, 0) << density << ": " << outcome.err;
+    // Clamped at both ends: 4 G J / L against twist, 16 E I / L against turning, 192 E I / L^3 across; the heaviest shaft has a thousandth of the disc.
+    const double E = 2e11, EI = E * 2133e-12, GJ = E / 2.6 * 3600e-12;
+    const double rates[] = {4 * GJ / 3.0, 16 * EI / 2.0, 16 * EI / 2.0, 192 * EI / 15.0, 192 * EI / 15.0};
+    const std::vector<double> found = elastic("shaft.se.h5", {"--clamped", "a", "b"});
+    ASSERT_GE(found.size(), 5u);
+    for (std::size_t k = 0; k < 5; ++k) {
+      const double right = std::sqrt(rates[k]) / (2 * std::numbers::pi);
+      EXPECT_NEAR(found[k], right, 2e-3 * right) << density << " " << k;
+    }
+  }
+}
+
 // One direction at each end, a direction beside six, average beside elastic ties; refused for round-off.
 TEST_F(SuperelementSamples, SoundPartsAreReduced) {
   for (const char* part : {"beam_148/part.toml", "elastic_14/part.toml", "partial_x.toml"}) {
