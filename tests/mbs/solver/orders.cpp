@@ -19,6 +19,7 @@
 #include "mbs/superelement/file.hpp"
 #include "tests/app/command.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
+#include "tests/mbs/solver/exact_motions.hpp"
 
 /// The orders of all integrators on motions known in closed form: docs/verification/orders.md holds the table, and this test
 /// that it is what the integrators do.  FLEXURA_WRITE_ORDERS=1 writes the page anew.
@@ -46,74 +47,25 @@ from = "ground.m"
 to = "a.m"
 )toml";
 
-// x'' + d x' + w^2 x = 0 with d = 2 zeta w.
 Motion oscillator() {
-  const double w = 9.0, zeta = 0.1, w_d = w * std::sqrt(1.0 - zeta * zeta);
-  return {"a damped oscillator",
-          std::string(kSlide) + fmt::format(R"toml(position = 1
-[force.s]
-type = "joint_spring_damper"
-joint = "j"
-stiffness = {}
-damping = {}
-[output]
-quantities = ["j.position", "j.speed"]
-)toml",
-                                            w * w, 2.0 * zeta * w),
-          [=](double t) -> VectorXd {
-            const double decay = std::exp(-zeta * w * t), c = std::cos(w_d * t), s = std::sin(w_d * t);
-            return Eigen::Vector2d(decay * (c + zeta * w / w_d * s), -decay * w * w / w_d * s);
-          }};
+  ExactMotion exact = damped_oscillator(9.0, 0.1, 1.0, 0.0);
+  return {"a damped oscillator", std::move(exact.text), std::move(exact.outputs)};
 }
 
-// A round body without loads (L. D. Landau, E. M. Lifshitz, Mechanics, section 33): as in exact_motion_test.cpp.
-Motion free_top() {
-  const double J = 0.2, J_e = 0.13;
-  const Eigen::Vector3d w(2.0, -1.0, 5.0), turn(0.7, -0.4, 0.0);
-  const Eigen::Vector3d e = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d L = J * w + (J_e - J) * w.dot(e) * e;
-  return {"a top that floats (quaternions)",
-          fmt::format(R"toml(gravity = [0, 0, 0]
-[body.a]
-mass = 2
-inertia = [{0}, {0}, {1}]
-rotation = [{2}, {3}, 0]
-angular_velocity = [{4}, {5}, {6}]
-[output]
-quantities = ["a.angular_velocity_*"]
-)toml",
-                      J, J_e, turn.x(), turn.y(), w.x(), w.y(), w.z()),
-          [=](double t) -> VectorXd { return Eigen::AngleAxisd(L.norm() / J * t, L.normalized()) * w; }};
+Motion top() {
+  ExactMotion exact = free_top(0.2, 0.13, {2.0, -1.0, 5.0}, {0.7, -0.4, 0.0});
+  return {"a top that floats (quaternions)", std::move(exact.text), std::move(exact.outputs)};
 }
 
-// A mass on a thread: place, or the tension m w^2 r.
-Motion sling(bool tension) {
-  const double r = 1.5, w = 4.0, m = 2.0;
-  return {tension ? "its tension" : "a mass that goes round on a thread",
-          fmt::format(R"toml(gravity = [0, 0, 0]
-[ground.marker.o]
-[body.a]
-mass = {}
-inertia = [1, 1, 1]
-[body.a.marker.c]
-[joint.j]
-type = "planar"
-from = "ground.o"
-to = "a.c"
-x = {}
-v_y = {}
-[constraint.thread]
-type = "distance"
-from = "ground.o"
-to = "a.c"
-length = {}
-[output]
-quantities = [{}]
-)toml",
-                      m, r, w * r, r, tension ? "\"thread.tension\"" : "\"j.x\", \"j.y\""),
-          [=](double t) -> VectorXd {
-            if (tension) return VectorXd::Constant(1, m * w * w * r);
-            return Eigen::Vector2d(r * std::cos(w * t), r * std::sin(w * t));
+// The mass's place, or the thread's tension.
+Motion on_a_thread(bool tension) {
+  const ExactMotion exact = sling(2.0, 1.5, 4.0);
+  const std::string all = R"("j.x", "j.y", "thread.tension")";
+  std::string text = exact.text;
+  text.replace(text.find(all), all.size(), tension ? R"("thread.tension")" : R"("j.x", "j.y")");
+  return {tension ? "its tension" : "a mass that goes round on a thread", text, [=](double t) -> VectorXd {
+            const VectorXd y = exact.outputs(t);
+            return tension ? VectorXd(y.tail(1)) : VectorXd(y.head(2));
           }};
 }
 
@@ -351,9 +303,9 @@ TEST(Orders, AreThoseOfTheirMethodsAndOfThePage) {
   const std::string file = std::string(FLEXURA_SOURCE_DIR) + "/docs/verification/orders.md";
   const std::string written = flexura::test::read_text(file);
   EXPECT_EQ(written.substr(0, page.size()), page) << "FLEXURA_WRITE_ORDERS=1 writes it";
-  for (const Motion& motion :
-       {oscillator(), free_top(), sling(false), sling(true), led_cart(true, false), led_cart(false, false),
-        led_cart(true, true), led_cart(false, true), two_springs(), bar(folder, false), bar(folder, true)}) {
+  for (const Motion& motion : {oscillator(), top(), on_a_thread(false), on_a_thread(true),
+                               led_cart(true, false), led_cart(false, false), led_cart(true, true),
+                               led_cart(false, true), two_springs(), bar(folder, false), bar(folder, true)}) {
     SCOPED_TRACE(motion.name);
     const Row row = orders_of(folder, motion);
     // A fixed step's own order; what a hundredth of it is off shows by the next term.

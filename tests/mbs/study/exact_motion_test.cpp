@@ -2,9 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <random>
 #include <string>
@@ -13,6 +11,7 @@
 #include "mbs/mechanism/describe.hpp"
 #include "mbs/study/estimate/global_error.hpp"
 #include "tests/app/command.hpp"
+#include "tests/mbs/solver/exact_motions.hpp"
 
 /// The integrator's share that a run tells of itself, against motions known in closed form, for every integrator at
 /// tolerances down to 1e-12.
@@ -20,6 +19,7 @@ namespace flexura::study {
 namespace {
 
 using Eigen::Vector3d;
+using mbs::test::ExactMotion;
 using test::Folder;
 using Random = std::mt19937;
 
@@ -31,93 +31,23 @@ double draw_away(Random& random, double most) {
   return (random() % 2 == 0 ? 1.0 : -1.0) * draw(random, 0.3 * most, most);
 }
 
-struct Motion {
-  std::string text;                                     ///< the mechanism's file
-  std::function<Eigen::VectorXd(double t)> quantities;  ///< its outputs
-};
-
-// ODE with quaternions: a round body without loads, turned at its start, turns about its axis e by
-// Omega = (1 - J_e / J) w_e while e goes round the angular momentum by |L| / J (L. D. Landau, E. M. Lifshitz, Mechanics,
-// section 33).
-Motion free_top(Random& random) {
+// ODE with quaternions.
+ExactMotion any_top(Random& random) {
   const double J = draw(random, 0.1, 0.3), J_e = J * draw(random, 0.4, 1.6);
   const Vector3d w(draw_away(random, 3.0), draw_away(random, 3.0), draw_away(random, 6.0));
   const Vector3d turn(draw_away(random, 1.5), draw_away(random, 1.0), 0.0);
-  const Vector3d e = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * Vector3d::UnitZ();
-  const Vector3d L = J * w + (J_e - J) * w.dot(e) * e;
-  return {
-      fmt::format(R"toml(gravity = [0, 0, 0]
-[body.a]
-mass = 2
-inertia = [{0}, {0}, {1}]
-rotation = [{2}, {3}, 0]
-angular_velocity = [{4}, {5}, {6}]
-[output]
-quantities = ["a.angular_velocity_*"]
-)toml",
-                  J, J_e, turn.x(), turn.y(), w.x(), w.y(), w.z()),
-      [=](double t) -> Eigen::VectorXd { return Eigen::AngleAxisd(L.norm() / J * t, L.normalized()) * w; }};
+  return mbs::test::free_top(J, J_e, w, turn);
 }
 
-// ODE: a mass on a spring with a damper.
-Motion oscillator(Random& random) {
+ExactMotion any_oscillator(Random& random) {
   const double w = draw(random, 3.0, 40.0), zeta = draw(random, 0.0, 0.4), x0 = draw_away(random, 1.0),
-               v0 = w * draw_away(random, 1.0), w_d = w * std::sqrt(1.0 - zeta * zeta);
-  return {fmt::format(R"toml(gravity = [0, 0, 0]
-[ground.marker.m]
-[body.a]
-mass = 1
-inertia = [1, 1, 1]
-[body.a.marker.m]
-[joint.j]
-type = "prismatic"
-from = "ground.m"
-to = "a.m"
-position = {}
-speed = {}
-[force.s]
-type = "joint_spring_damper"
-joint = "j"
-stiffness = {}
-damping = {}
-[output]
-quantities = ["j.position", "j.speed"]
-)toml",
-                      x0, v0, w * w, 2.0 * zeta * w),
-          [=](double t) -> Eigen::VectorXd {
-            const double decay = std::exp(-zeta * w * t), c = std::cos(w_d * t), s = std::sin(w_d * t);
-            return Eigen::Vector2d(decay * (x0 * c + (v0 + zeta * w * x0) / w_d * s),
-                                   decay * (v0 * c - (zeta * w * v0 + w * w * x0) / w_d * s));
-          }};
+               v0 = w * draw_away(random, 1.0);
+  return mbs::test::damped_oscillator(w, zeta, x0, v0);
 }
 
-// Index 2 (with generalised_alpha index 3): a mass on a thread goes round at even speed; its tension is m v^2 / r.
-Motion sling(Random& random) {
+ExactMotion any_sling(Random& random) {
   const double r = draw(random, 0.5, 3.0), w = draw_away(random, 6.0), m = draw(random, 1.0, 5.0);
-  return {fmt::format(R"toml(gravity = [0, 0, 0]
-[ground.marker.o]
-[body.a]
-mass = {}
-inertia = [1, 1, 1]
-[body.a.marker.c]
-[joint.j]
-type = "planar"
-from = "ground.o"
-to = "a.c"
-x = {}
-v_y = {}
-[constraint.thread]
-type = "distance"
-from = "ground.o"
-to = "a.c"
-length = {}
-[output]
-quantities = ["j.x", "j.y", "thread.tension"]
-)toml",
-                      m, r, w * r, r),
-          [=](double t) -> Eigen::VectorXd {
-            return Vector3d(r * std::cos(w * t), r * std::sin(w * t), m * r * w * w);
-          }};
+  return mbs::test::sling(m, r, w);
 }
 
 TEST(IntegratorsShareOfExactMotions, IsWithinAFactorOfThreeAtEveryTolerance) {
@@ -125,10 +55,10 @@ TEST(IntegratorsShareOfExactMotions, IsWithinAFactorOfThreeAtEveryTolerance) {
   const Folder folder;
   const std::pair<const char*, double> methods[] = {
       {"ida", -12.0}, {"radau", -12.0}, {"runge_kutta", -12.0}, {"generalised_alpha", -8.0}};
-  Motion (*const kinds[])(Random&) = {free_top, oscillator, sling};
+  ExactMotion (*const kinds[])(Random&) = {any_top, any_oscillator, any_sling};
   int judged = 0;
   for (int i = 0; i < 240; ++i) {
-    const Motion motion = kinds[i % 3](random);
+    const ExactMotion motion = kinds[i % 3](random);
     const auto& [method, finest] = methods[i / 3 % 4];
     const double tolerance = std::pow(10.0, draw(random, finest, -5.0));
     SCOPED_TRACE(fmt::format("{}: {} at {}\n{}", i, method, tolerance, motion.text));
@@ -146,7 +76,7 @@ TEST(IntegratorsShareOfExactMotions, IsWithinAFactorOfThreeAtEveryTolerance) {
     mbs::RunCallbacks callbacks;
     callbacks.row = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount&) {
       p.mechanism->evaluate(which, s, v_dot, *scratch, y);
-      const Eigen::VectorXd exact = motion.quantities(s.t);
+      const Eigen::VectorXd exact = motion.outputs(s.t);
       squares += (y - exact).cwiseAbs2();
       sizes += exact.cwiseAbs2();
     };
