@@ -55,6 +55,7 @@ void BeyondFirstOrder::begin(const mbs::State& s, const VectorXd& v_dot, const L
 void BeyondFirstOrder::take(std::size_t source, const FullModel::Correction& by, const VectorXd& acceleration,
                             const mbs::State& moved, const VectorXd& load) {
   Sums& sums = sources_[source];
+  ++sums.taken;
   mechanism_.momentum(moved, a_ + acceleration, *scratch_, r_moved_, c_moved_, b_);
   const auto n_rigid = static_cast<Index>(rigid_.size());
   for (Index i = 0; i < n_rigid; ++i) {
@@ -77,6 +78,14 @@ void BeyondFirstOrder::take(std::size_t source, const FullModel::Correction& by,
   mechanism_.roots(moved, *scratch_, roots_moved_);
   for (Index k = 0; k < roots_.size(); ++k)
     if (roots_(k) >= 0.0 && roots_moved_(k) < 0.0) sums.thrown.insert(static_cast<int>(k));
+}
+
+VectorXd BeyondFirstOrder::rests() const {
+  VectorXd out = VectorXd::Zero(mechanism_.sizes().n_v);
+  for (const Sums& sums : sources_)
+    for (std::size_t i = 0; i < rigid_.size() && sums.taken > 0; ++i)
+      out(rigid_[i]) += std::sqrt(sums.rest(static_cast<Index>(i)) / sums.taken);
+  return out;
 }
 
 std::string BeyondFirstOrder::why(std::size_t source) const {

@@ -28,11 +28,15 @@ class BeyondFirstOrder {
 
   /// Why the correction of this source says too little; empty where it says enough.
   std::string why(std::size_t source) const;
+  /// What is left of the equations on each velocity coordinate (n_v; rms, of all sources together; 0 on deformations): a
+  /// joint's force along a direction that it leaves free is told no better.
+  Eigen::VectorXd rests() const;
 
  private:
   struct Sums {
     Eigen::VectorXd rest, first;  // squares: on the coordinates of joints, then the rates of states
     std::set<int> thrown;         // switches
+    int taken = 0;
   };
   const mbs::Mechanism& mechanism_;
   std::unique_ptr<mbs::Equations::Scratch> scratch_;

@@ -27,6 +27,8 @@ constexpr double kKnown = 0.01;
 // Of a linear correction, beside a whole mechanism: round-off of its equations, which are as stiff as 1e7 to 1; and what
 // the run's own noise, of which the correction takes a part, is beside its tolerance.
 constexpr double kOfCorrection = 1e-9, kOfNoise = 1e-3;
+// What terms of higher order leave of an output is known to its size: an output that is twice as large is more than that.
+constexpr double kAboveRest = 2.0;
 // Nothing at all: round-off of sums of what the mechanism's forces, lengths and speeds make.
 constexpr double kRoundOff = 1e-12;
 
@@ -42,6 +44,16 @@ bool is_motion(const input::Dimension& d) {
 bool is_force(const input::Dimension& d) {
   return d == input::dim::force || d == input::dim::torque || d == input::dim::acceleration ||
          d == input::dim::angular_acceleration;
+}
+
+// A lever that a moment of this mechanism may have [m]: a pendulum whose only marker is its hinge has no length but this.
+double lever_of(const mbs::Mechanism& mechanism, double length) {
+  for (const mbs::BodyDescription& body : mechanism.description().bodies) {
+    const mbs::RigidInertia I = body.flexible ? body.flexible->undeformed_inertia() : body.inertia;
+    const double radius = I.mass > 0.0 ? std::sqrt(0.5 * I.inertia.trace() / I.mass) : 0.0;
+    if (std::isfinite(radius)) length = std::max(length, radius);
+  }
+  return length;
 }
 
 // Sizes by what they are of.
@@ -106,6 +118,24 @@ std::vector<int> judged_outputs(const mbs::PreparedMechanism& run, const mbs::Me
   return outputs;
 }
 
+void set_rests(const mbs::Mechanism& mechanism, const Eigen::VectorXd& rests,
+               std::vector<OutputEstimate>& outputs) {
+  const std::vector<mbs::JointPlace>& places = mechanism.joint_places();
+  for (std::size_t j = 0; j < places.size(); ++j) {
+    if (!places[j].in_tree()) continue;
+    const std::string& name = mechanism.description().joints[j].name;
+    const auto speeds = places[j].joint->speeds();
+    for (OutputEstimate& o : outputs) {
+      if (owner_of(o.name) != name) continue;
+      for (std::size_t k = 0; k < speeds.size(); ++k) {
+        const bool moves = speeds[k].dimension == input::dim::velocity;
+        if (o.dimension == (moves ? input::dim::force : input::dim::torque))
+          o.rest = std::max(o.rest, rests(places[j].i_v + static_cast<Eigen::Index>(k)));
+      }
+    }
+  }
+}
+
 double tolerance_of_noise(const mbs::PreparedMechanism& run) {
   const double accuracy = run.file.solver.quantity("accuracy");
   return accuracy > 0.0 ? std::min(run.options.tolerance, 1e-3 * accuracy) : run.options.tolerance;
@@ -121,7 +151,10 @@ double length_of(const mbs::PreparedMechanism& run) {
 }
 
 Families::Families(const mbs::Mechanism& mechanism, double length)
-    : mechanism_(mechanism), length_(length), scratch_(mechanism.make_scratch()) {
+    : mechanism_(mechanism),
+      length_(length),
+      lever_(lever_of(mechanism, length)),
+      scratch_(mechanism.make_scratch()) {
   const auto infos = mechanism.quantities();
   for (std::size_t i = 0; i < infos.size(); ++i) {
     // Stresses cost as much as all the rest; numbers without a unit have no family.
@@ -166,7 +199,7 @@ void Families::judge(std::vector<OutputEstimate>& outputs, bool asked, double to
   }
   // What forces, lengths and speeds of the mechanism make of other dimensions.
   namespace dim = input::dim;
-  const double length = length_, force = std::max(of_all[dim::force], of_all[dim::torque] / length),
+  const double length = length_, force = std::max(of_all[dim::force], of_all[dim::torque] / lever_),
                speed = std::max(of_all[dim::velocity], of_all[dim::angular_velocity] * length),
                acceleration = std::max(of_all[dim::acceleration], of_all[dim::angular_acceleration] * length);
   OfDimension natural;
@@ -195,7 +228,8 @@ void Families::judge(std::vector<OutputEstimate>& outputs, bool asked, double to
     // errors times what the others make of it: nothing of a force, an acceleration or a power is known to less.
     const bool follows = is_force(o.dimension) || o.dimension == dim::power;
     const double unknown = std::max(kRoundOff, !follows ? 0.0 : corrected ? kOfNoise * tolerance : tolerance);
-    if (const double made = natural.of(o.dimension); o.scale < unknown * made) o.scale = made;
+    if (const double made = natural.of(o.dimension); o.scale < unknown * made || o.size_rms < kAboveRest * o.rest)
+      o.scale = std::max(o.scale, made);
     o.counts = asked || o.size_rms > kNothingUnasked * largest[o.dimension];
   }
 }

@@ -333,6 +333,7 @@ TruncationEstimate Shadows::estimate() const {
     o.rms = std::sqrt(in.square(static_cast<Index>(i)) / span);
     o.size_rms = std::sqrt(in.square_size(static_cast<Index>(i)) / span);
   }
+  set_rests(in.full.mechanism(), in.beyond->rests(), out.outputs);
   in.families.judge(out.outputs, in.asked, in.tolerance, Families::Of::deformation);
   std::tie(out.error, out.worst) = worst_output(in.square, span, out.outputs);
   for (std::size_t k = 0; k < in.sources.size(); ++k) {
