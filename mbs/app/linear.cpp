@@ -152,6 +152,29 @@ void note_rates_of_inputs(const LinearSystem& d, StateSpace& file, std::vector<s
       fmt::join(of, ", "), of.size() == 1 ? "follows" : "follow", d.D_2.size() > 0 ? " + D_2 u''" : ""));
 }
 
+// Coordinates of joints that close loops, each under its own name and that of its speed.
+struct Closure {
+  std::string name, speed;
+  mbs::CoordinateRef coordinate;
+};
+std::vector<Closure> closures_of(const mbs::Mechanism& m) {
+  std::vector<Closure> all;
+  for (std::size_t j = 0; j < m.joint_places().size(); ++j) {
+    const mbs::JointPlace& place = m.joint_places()[j];
+    if (place.in_tree()) continue;
+    const std::string joint = m.description().joints[j].name + ".";
+    const auto coordinates = place.joint->coordinates(), speeds = place.joint->speeds();
+    for (int i = 0; i < place.joint->n_v(); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const std::string speed = joint + speeds[k].name;
+      all.push_back({speed, speed, {static_cast<int>(j), i}});
+      if (place.joint->n_p() == place.joint->n_v())
+        all.push_back({joint + coordinates[k].name, speed, {static_cast<int>(j), i}});
+    }
+  }
+  return all;
+}
+
 int write_linear_system(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   std::filesystem::path path = arguments.output, table;
   if (path.empty()) path = std::filesystem::path(arguments.file).stem().string() + "_linear.m";
@@ -176,6 +199,8 @@ int write_linear_system(const Arguments& arguments, const terminal::Verbosity& v
     for (int i = 0; place.in_tree() && place.joint->n_p() == place.joint->n_v() && i < place.joint->n_v();
          ++i)
       positions[place.i_v + i] = m.name_of_position(place.i_p + i);
+  const std::vector<Closure> closures = closures_of(m);
+  auto scratch = m.make_scratch();
   std::vector<std::string> own;
   for (int i = 0; i < m.n_inputs(); ++i) own.push_back(m.name_of_input(i));
   for (const std::string& wanted : arguments.inputs.empty() ? own : arguments.inputs) {
@@ -186,7 +211,12 @@ int write_linear_system(const Arguments& arguments, const terminal::Verbosity& v
       options.signals.push_back(static_cast<int>(signal - own.begin()));
       continue;
     }
+    if (const auto closing = std::ranges::find(closures, wanted, &Closure::name); closing != closures.end()) {
+      options.along.push_back({closing->speed, m.force_along(closing->coordinate, p.state, *scratch)});
+      continue;
+    }
     if (found == coordinates.end()) {
+      for (const Closure& one : closures) positions.push_back(one.name);
       coordinates.insert(coordinates.end(), own.begin(), own.end());
       coordinates.insert(coordinates.end(), positions.begin(), positions.end());
       throw std::invalid_argument(
@@ -202,7 +232,6 @@ int write_linear_system(const Arguments& arguments, const terminal::Verbosity& v
         fmt::format("\"{}\" is a quantity of a run and has no linearisation; choose what belongs to a state, "
                     "as energy.total and power.input do",
                     y.front()));
-  auto scratch = m.make_scratch();
   if (!which.empty()) {
     const auto infos = m.quantities();
     for (const int i : which) options.output_names.push_back(infos[i].name);

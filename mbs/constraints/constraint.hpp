@@ -33,8 +33,9 @@ class Prescribed {
   bool follows() const { return formula_ && !formula_->reads().empty(); }
   /// What it prescribes may change with time.
   bool moves() const { return formula_ && (formula_->reads_time() || follows()); }
-  Jet at(const Kinematics& kin) const {
-    return follows() ? *kin.own.followed : formula_->time_derivatives(kin.t);
+  /// `i`: which of the formulas that its constraint follows it is.
+  Jet at(const Kinematics& kin, int i = 0) const {
+    return follows() ? kin.own.followed[i] : formula_->time_derivatives(kin.t);
   }
   const std::shared_ptr<const Expression>& formula() const { return formula_; }
 
@@ -42,12 +43,15 @@ class Prescribed {
   std::shared_ptr<const Expression> formula_;
 };
 
-/// The formula of signals that rows follow, and on which level: its first derivative by time is needed for a speed, the
+/// A formula of signals that rows follow, and on which level: its first derivative by time is needed for a speed, the
 /// second for a position.
 struct Following {
   const Expression* formula = nullptr;  ///< null: nothing is followed
   DriveLevel level = DriveLevel::position;
 };
+
+/// The angle of a joint that closes a loop: its frames tell it but for whole turns.
+bool is_without_turns(const Kinematics& kin, CoordinateRef c);
 
 class Constraint {
  public:
@@ -86,10 +90,13 @@ class Constraint {
   virtual void rate(const Kinematics& /*kin*/, double* g_t) const {
     for (int i = 0; i < n_rows(); ++i) g_t[i] = 0.0;
   }
-  virtual Following following() const { return {}; }
-  /// Where it follows a formula y: the derivatives of g by y, and of g' by y and y', one for each row.
-  virtual void by_followed(const Kinematics& /*kin*/, double* g_y, double* h_y, double* h_y_dot) const {
-    for (int i = 0; i < n_rows(); ++i) g_y[i] = h_y[i] = h_y_dot[i] = 0.0;
+  /// Formulas that it follows; their values are kin.own.followed[0], [1], ...
+  virtual int n_followed() const { return 0; }
+  virtual Following following(int /*i*/) const { return {}; }
+  /// Of formula y that it follows as its i-th: the derivatives of g by y, and of g' by y and y', one for each row.
+  virtual void by_followed(const Kinematics& /*kin*/, int /*i*/, double* g_y, double* h_y,
+                           double* h_y_dot) const {
+    for (int row = 0; row < n_rows(); ++row) g_y[row] = h_y[row] = h_y_dot[row] = 0.0;
   }
   /// A contact that travels along a curve: its parameter is an algebraic state on position level.
   virtual bool has_contact() const { return false; }
@@ -113,18 +120,28 @@ std::vector<OutputInfo> wrench_outputs(bool has_force, bool has_torque);
 /// Their values.
 void put_wrench(const Vector6d& on_M_F, bool has_force, bool has_torque, double* values);
 
-/// Rows on the pose of one marker relative to another: a joint that closes a loop, a point on a line, ...
+/// Rows on the pose of one marker relative to another: a joint that closes a loop, a point on a line, ...  A single row
+/// may be held at a motion that is prescribed in place of 0.
 class RelativeConstraint final : public Constraint {
  public:
-  RelativeConstraint(std::string name, int marker_F, int marker_M, std::shared_ptr<const RelativeRows> rows);
+  RelativeConstraint(std::string name, int marker_F, int marker_M, std::shared_ptr<const RelativeRows> rows,
+                     Prescribed held_at = nullptr);
   int n_rows() const override { return rows_->n_rows(); }
   std::string row_name(int i) const override { return rows_->row_name(i); }
   double gap(int row, double residual) const override { return rows_->gap(row, residual); }
   /// A row whose multiplier pushes is a length; one that only turns an angle (or the sine of a small one).
   GapKind gap_kind(int row) const override;
+  bool reads_time(int) const override { return held_at_.moves(); }
+  int n_followed() const override { return held_at_.follows() ? 1 : 0; }
+  Following following(int) const override { return {held_at_.formula().get(), DriveLevel::position}; }
+  void by_followed(const Kinematics&, int, double* g_y, double* h_y, double* h_y_dot) const override {
+    g_y[0] = h_y_dot[0] = -1.0;
+    h_y[0] = 0.0;
+  }
   void position(const Kinematics& kin, double* g) const override;
   void velocity(const Kinematics& kin, double* g_dot) const override;
   void acceleration(const Kinematics& kin, double* g_ddot) const override;
+  void rate(const Kinematics& kin, double* g_t) const override;
   void apply_GT(const Kinematics& kin, const double* x, Loads& loads) const override;
   bool has_derivatives() const override { return true; }
   void differentiate(const Kinematics& kin, const double* x, Derivatives& d) const override;
@@ -152,10 +169,11 @@ class RelativeConstraint final : public Constraint {
 
   int marker_F_, marker_M_;
   std::shared_ptr<const RelativeRows> rows_;
+  Prescribed held_at_;
   Exerts exerts_;
 };
 
-/// A driven joint, on one of three levels.  Its multiplier is minus the drive's force or torque.
+/// A driven coordinate of a joint, on one of three levels.  Its multiplier is minus the drive's force or torque.
 ///
 ///     position       q = f(t)
 ///     speed          v = f(t): one integration's drift is that of q, since nothing says where q should be
@@ -164,12 +182,15 @@ class RelativeConstraint final : public Constraint {
 /// f may be a formula of signals on the first two levels; its acceleration is then that of a dynamic state v.
 class DriveConstraint final : public Constraint {
  public:
-  DriveConstraint(std::string name, CoordinateRef coordinate, std::shared_ptr<const Expression> motion,
-                  DriveLevel level = DriveLevel::position, double start_speed = 0.0);
+  /// `speed` says which by its speed, `coordinate` by its place among coordinates, of which a quaternion has one more.
+  DriveConstraint(std::string name, CoordinateRef speed, int coordinate,
+                  std::shared_ptr<const Expression> motion, DriveLevel level = DriveLevel::position,
+                  double start_speed = 0.0);
   bool is_holonomic(int) const override { return level_ == DriveLevel::position; }
   bool reads_time(int) const override { return motion_.moves(); }
-  Following following() const override;
-  void by_followed(const Kinematics& kin, double* g_y, double* h_y, double* h_y_dot) const override;
+  int n_followed() const override { return motion_.follows() ? 1 : 0; }
+  Following following(int) const override { return {motion_.formula().get(), level_}; }
+  void by_followed(const Kinematics& kin, int i, double* g_y, double* h_y, double* h_y_dot) const override;
   int n_rows() const override { return 1; }
   std::string row_name(int) const override { return "drive"; }
   void position(const Kinematics& kin, double* g) const override;
@@ -179,13 +200,12 @@ class DriveConstraint final : public Constraint {
   bool has_derivatives() const override { return true; }
   void differentiate(const Kinematics& kin, const double* x, Derivatives& d) const override;
   void rate(const Kinematics& kin, double* g_t) const override;
-  CoordinateRef coordinate() const { return coordinate_; }
 
  private:
   double wanted_speed(const Kinematics& kin) const;
   double wanted_acceleration(const Kinematics& kin) const;
 
-  CoordinateRef coordinate_;
+  CoordinateRef speed_, coordinate_;
   Prescribed motion_;
   DriveLevel level_;
   double start_speed_;

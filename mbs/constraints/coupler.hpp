@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 
 #include "mbs/constraints/constraint.hpp"
 #include "mbs/formulas/expression.hpp"
@@ -24,10 +25,9 @@ class Coupler final : public Constraint, public HasRobotWords {
   int n_rows() const override { return 1; }
   std::string row_name(int) const override { return "ratio"; }
   bool reads_time(int) const override { return value_.moves(); }
-  Following following() const override {
-    return value_.follows() ? Following{value_.formula().get(), DriveLevel::position} : Following{};
-  }
-  void by_followed(const Kinematics&, double* g_y, double* h_y, double* h_y_dot) const override {
+  int n_followed() const override { return value_.follows() ? 1 : 0; }
+  Following following(int) const override { return {value_.formula().get(), DriveLevel::position}; }
+  void by_followed(const Kinematics&, int, double* g_y, double* h_y, double* h_y_dot) const override {
     g_y[0] = h_y_dot[0] = -1.0;
     h_y[0] = 0.0;
   }
@@ -50,6 +50,9 @@ class Coupler final : public Constraint, public HasRobotWords {
   void position(const Kinematics& kin, double* g) const override {
     g[0] = -value_.at(kin).value;
     for (const Term& term : terms_) g[0] += term.factor * kin.coordinate(term.coordinate);
+    for (const Term& term : terms_)
+      if (term.factor != 0.0 && is_without_turns(kin, term.coordinate))
+        g[0] = std::remainder(g[0], 2.0 * std::numbers::pi * term.factor);
   }
   void velocity(const Kinematics& kin, double* g_dot) const override {
     g_dot[0] = -value_.at(kin).first;

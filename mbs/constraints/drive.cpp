@@ -20,11 +20,18 @@ struct Acceleration : Expression {
 
 }  // namespace
 
-DriveConstraint::DriveConstraint(std::string name, CoordinateRef coordinate,
+bool is_without_turns(const Kinematics& kin, CoordinateRef c) {
+  const JointPlace& place = (*kin.joints)[static_cast<std::size_t>(c.joint)];
+  return !place.in_tree() &&
+         place.joint->coordinates()[static_cast<std::size_t>(c.index)].dimension == input::dim::angle;
+}
+
+DriveConstraint::DriveConstraint(std::string name, CoordinateRef speed, int coordinate,
                                  std::shared_ptr<const Expression> motion, DriveLevel level,
                                  double start_speed)
     : Constraint(std::move(name)),
-      coordinate_(coordinate),
+      speed_(speed),
+      coordinate_{speed.joint, coordinate},
       motion_(level == DriveLevel::acceleration ? std::make_shared<const Acceleration>(*motion)
                                                 : std::move(motion)),
       level_(level),
@@ -43,11 +50,7 @@ double DriveConstraint::wanted_acceleration(const Kinematics& kin) const {
   return level_ == DriveLevel::position ? f.second : f.first;
 }
 
-Following DriveConstraint::following() const {
-  return motion_.follows() ? Following{motion_.formula().get(), level_} : Following{};
-}
-
-void DriveConstraint::by_followed(const Kinematics&, double* g_y, double* h_y, double* h_y_dot) const {
+void DriveConstraint::by_followed(const Kinematics&, int, double* g_y, double* h_y, double* h_y_dot) const {
   const bool of_position = level_ == DriveLevel::position;
   g_y[0] = h_y_dot[0] = of_position ? -1.0 : 0.0;
   h_y[0] = of_position ? 0.0 : -1.0;
@@ -57,28 +60,25 @@ void DriveConstraint::position(const Kinematics& kin, double* g) const {
   g[0] = 0.0;
   if (level_ != DriveLevel::position) return;
   g[0] = kin.coordinate(coordinate_) - motion_.at(kin).value;
-  const JointPlace& place = (*kin.joints)[static_cast<std::size_t>(coordinate_.joint)];
-  // Of a joint that closes a loop the frames tell the angle but for whole turns.
-  if (!place.in_tree() && place.joint->coordinates()[coordinate_.index].dimension == input::dim::angle)
-    g[0] = std::remainder(g[0], 2.0 * std::numbers::pi);
+  if (is_without_turns(kin, coordinate_)) g[0] = std::remainder(g[0], 2.0 * std::numbers::pi);
 }
 
 void DriveConstraint::velocity(const Kinematics& kin, double* g_dot) const {
-  g_dot[0] = kin.speed(coordinate_) - wanted_speed(kin);
+  g_dot[0] = kin.speed(speed_) - wanted_speed(kin);
 }
 
 void DriveConstraint::acceleration(const Kinematics& kin, double* g_ddot) const {
-  g_ddot[0] = kin.acceleration(coordinate_) - wanted_acceleration(kin);
+  g_ddot[0] = kin.acceleration(speed_) - wanted_acceleration(kin);
 }
 
 void DriveConstraint::apply_GT(const Kinematics&, const double* x, Loads& loads) const {
-  loads.apply(coordinate_, x[0]);
+  loads.apply(speed_, x[0]);
 }
 
 void DriveConstraint::differentiate(const Kinematics&, const double* x, Derivatives& d) const {
-  d.force(coordinate_, x[0]);
+  d.force(speed_, x[0]);
   d.rows();
-  d.by_speed(coordinate_, 1.0);
+  d.by_speed(speed_, 1.0);
 }
 
 void DriveConstraint::rate(const Kinematics& kin, double* g_t) const {

@@ -58,6 +58,20 @@ class Perpendicular final : public RelativeRows {
   std::string row_name(int) const override { return "axes"; }
 };
 
+/// How far the origins are apart, for a distance that changes: g = |p_FoMo|, less what RelativeConstraint holds it at.
+class Span final : public RelativeRows {
+ public:
+  int n_rows() const override { return 1; }
+  void constrain(Rows& rows) const override {
+    const Vector3d& p = rows.X_FM().p;
+    const double length = std::max(p.norm(), 1e-300);
+    const Vector3d n = p / length, u = rows.linear();
+    rows.add(p.norm(), Vector3d::Zero(), n, (u.squaredNorm() - n.dot(u) * n.dot(u)) / length);
+  }
+  std::string row_name(int) const override { return "length"; }
+  bool is_link() const override { return true; }
+};
+
 /// The origins keep their distance, as if joined by a massless link with ball joints.
 class Distance final : public RelativeRows {
  public:

@@ -124,7 +124,7 @@ void PointOnPath::rate(const Kinematics& kin, double* g_t) const {
   for (int i = 0; i < now.n; ++i) g_t[i] = now.rows[i].h_s * now.s.first;
 }
 
-void PointOnPath::by_followed(const Kinematics& kin, double* g_y, double* h_y, double* h_y_dot) const {
+void PointOnPath::by_followed(const Kinematics& kin, int, double* g_y, double* h_y, double* h_y_dot) const {
   const Instant now(*this, kin, Level::velocity);
   for (int i = 0; i < now.n; ++i) {
     g_y[i] = h_y_dot[i] = now.rows[i].h_s;

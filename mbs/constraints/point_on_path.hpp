@@ -48,10 +48,9 @@ class PointOnPath final : public Constraint, public HasPicture {
   int n_rows() const override;
   std::string row_name(int i) const override;
   bool reads_time(int) const override { return law_.place.moves(); }
-  Following following() const override {
-    return law_.place.follows() ? Following{law_.place.formula().get(), DriveLevel::position} : Following{};
-  }
-  void by_followed(const Kinematics& kin, double* g_y, double* h_y, double* h_y_dot) const override;
+  int n_followed() const override { return law_.place.follows() ? 1 : 0; }
+  Following following(int) const override { return {law_.place.formula().get(), DriveLevel::position}; }
+  void by_followed(const Kinematics& kin, int i, double* g_y, double* h_y, double* h_y_dot) const override;
   std::vector<int> markers() const override;
   const BodyPath* drawn_path() const override { return path_.get(); }
   void position(const Kinematics& kin, double* g) const override;

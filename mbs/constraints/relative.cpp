@@ -8,11 +8,12 @@
 namespace flexura::mbs {
 
 RelativeConstraint::RelativeConstraint(std::string name, int marker_F, int marker_M,
-                                       std::shared_ptr<const RelativeRows> rows)
+                                       std::shared_ptr<const RelativeRows> rows, Prescribed held_at)
     : Constraint(std::move(name)),
       marker_F_(marker_F),
       marker_M_(marker_M),
       rows_(std::move(rows)),
+      held_at_(std::move(held_at)),
       exerts_(exerts()) {}
 
 // Asked at poses at which nothing vanishes.
@@ -33,6 +34,7 @@ void RelativeConstraint::position(const Kinematics& kin, double* g) const {
   rows.contact = kin.own.contact;
   rows_->constrain(rows);
   for (int i = 0; i < rows.n; ++i) g[i] = rows.g(i);
+  if (held_at_) g[0] -= held_at_.at(kin).value;
 }
 
 void RelativeConstraint::velocity(const Kinematics& kin, double* g_dot) const {
@@ -41,6 +43,7 @@ void RelativeConstraint::velocity(const Kinematics& kin, double* g_dot) const {
   rows.contact = kin.own.contact;
   rows_->constrain(rows);
   for (int i = 0; i < rows.n; ++i) g_dot[i] = rows.G.row(i).dot(rel.V);
+  if (held_at_) g_dot[0] -= held_at_.at(kin).first;
 }
 
 void RelativeConstraint::acceleration(const Kinematics& kin, double* g_ddot) const {
@@ -49,6 +52,12 @@ void RelativeConstraint::acceleration(const Kinematics& kin, double* g_ddot) con
   rows.contact = kin.own.contact;
   rows_->constrain(rows);
   for (int i = 0; i < rows.n; ++i) g_ddot[i] = rows.G.row(i).dot(rel.A) + rows.gamma(i);
+  if (held_at_) g_ddot[0] -= held_at_.at(kin).second;
+}
+
+void RelativeConstraint::rate(const Kinematics& kin, double* g_t) const {
+  for (int i = 0; i < n_rows(); ++i) g_t[i] = 0.0;
+  if (held_at_) g_t[0] = -held_at_.at(kin).first;
 }
 
 void RelativeConstraint::apply_GT(const Kinematics& kin, const double* x, Loads& loads) const {

@@ -24,6 +24,7 @@ class AlgebraicLoop final : public Control {
   bool is_algebraic() const override { return true; }
   double start_algebraic() const override { return guess_; }
   double residual(const double* signals) const override { return equation_->evaluate(signals); }
+  const Expression* equation() const override { return equation_.get(); }
 
  private:
   std::shared_ptr<const Expression> equation_;

@@ -59,6 +59,8 @@ class Control {
   virtual bool is_algebraic() const { return false; }
   virtual double start_algebraic() const { return 0.0; }
   virtual double residual(const double* /*signals*/) const { return 0.0; }
+  /// The formula of residual().
+  virtual const Expression* equation() const { return nullptr; }
 
  private:
   std::string name_;

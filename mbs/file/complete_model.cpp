@@ -5,6 +5,7 @@
 
 #include "mbs/bodies/modal_basis.hpp"
 #include "mbs/file/bodies/read_flexible_body.hpp"
+#include "mbs/file/bodies/read_pose.hpp"
 #include "mbs/file/bodies/read_section_points.hpp"
 #include "mbs/file/bodies/read_surface_patch.hpp"
 
@@ -13,7 +14,7 @@ namespace flexura::mbs {
 using input::Section;
 
 bool is_placed(const Section& body) {
-  return body.has("position") || body.has("axis") || body.has("rotation") || body.has("quaternion");
+  return has_pose(body);
 }
 
 void add_free_joints(ReadModel& model) {

@@ -3,9 +3,11 @@
 
 #include "mbs/file/bodies/read_beam_part.hpp"
 #include "mbs/file/bodies/read_flexible_body.hpp"
+#include "mbs/file/bodies/read_pose.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "mbs/file/elements/read_context.hpp"
 #include "mbs/file/elements/user_library.hpp"
+#include "mbs/file/read_joint.hpp"
 #include "mbs/file/read_linked_marker.hpp"
 #include "mbs/file/read_mechanism.hpp"
 #include "mbs/file/read_tables.hpp"
@@ -16,15 +18,8 @@ namespace {
 
 using namespace input;
 
-/// Position and orientation of a frame.
 void add_pose(TableSchema& schema, const std::string& of, const std::string& axes) {
-  schema.keys.push_back(vector3("position", dim::length, "origin of " + of));
-  schema.keys.push_back(vector3("axis", dim::none, "direction of the z axis, of any length, in " + axes));
-  schema.keys.push_back(
-      vector3("x_axis", dim::none, "beside axis: direction that the x axis leans to, in " + axes));
-  schema.keys.push_back(
-      vector3("rotation", dim::angle, "instead of axis: rotation vector, axis times angle, from " + axes));
-  schema.keys.push_back(quaternion("quaternion", "instead of axis: (w, x, y, z)"));
+  for (Key& key : pose_keys(of, axes)) schema.keys.push_back(std::move(key));
 }
 
 TableSchema marker_schema() {
@@ -90,16 +85,6 @@ std::string in_unit(const std::string& unit) {
   return unit.empty() ? "" : " [`" + unit + "`]";
 }
 
-/// ", in the axes of F" of a component along x, y, z of what M does in F; of a quaternion what it turns.
-std::string frame_of(const std::string& name) {
-  if (name == "qw" || name == "qx" || name == "qy" || name == "qz")
-    return ", of the quaternion (w, x, y, z) that turns F's axes into M's";
-  const char last = name.back();
-  const bool is_component =
-      (last == 'x' || last == 'y' || last == 'z') && (name.size() == 1 || name[name.size() - 2] == '_');
-  return is_component ? ", of M as seen from F, in the axes of F" : "";
-}
-
 /// "`NAME.angle` [`rad`], ...": coordinates, speeds and accelerations, and what a joint transmits.
 std::string results_doc(const Joint& joint) {
   std::string text;
@@ -130,26 +115,29 @@ std::string results_doc(const std::vector<Given>& gives) {
 TableSchema joint_schema(bool is_connection) {
   TableSchema schema;
   schema.name = is_connection ? "connection" : "joint";
-  schema.doc = is_connection
-                   ? "Joins two bodies like a joint; the program makes a joint of the tree of it "
-                     "where the joints leave a body unreached (of several connections the one with "
-                     "the fewest freedoms) and a constraint elsewhere. Its values at the start are "
-                     "guesses that a constraint ignores. flexura check says what it became."
-                   : "Joins two bodies. Joints span a tree from ground outwards (in the order of "
-                     "the file, a driven joint first); the others close loops as constraints, driven "
-                     "ones too (their angles then show without whole turns). Rows of "
-                     "constraints that follow from others are left out and named; they must agree "
-                     "with these in position, speed and acceleration, drives included, and are "
-                     "watched during the run: what contradicts ends it with the names of the rows "
-                     "and the time. Loops are closed to 1e-9 of the mechanism's size; parts that do "
-                     "not fit by up to 1e-6 of it are taken as they are, with a note.\n\nDrives may "
-                     "follow controls. A position follows t, inputs and the states of controls (state, "
-                     "filter, transfer_function, delay), what they read in their rates being positions, "
-                     "states and time; a speed follows positions and every control as well, also one that "
-                     "jumps (sample, relay: the speed then jumps with it); an acceleration follows whatever "
-                     "formulas of forces may read, reactions too. What is not known in time is refused, with "
-                     "the control that helps. The drive is ideal: its force (NAME.drive_force) is what the "
-                     "motion takes, and does not act on the control unless this reads it.";
+  schema.doc =
+      is_connection
+          ? "Joins two bodies like a joint; the program makes a joint of the tree of it "
+            "where the joints leave a body unreached (of several connections the one with "
+            "the fewest freedoms) and a constraint elsewhere. Its values at the start are "
+            "guesses that a constraint ignores. Drives, couplers and formulas take its coordinates as those "
+            "of a joint; one that is driven or coupled is sooner made a joint of the tree. flexura check "
+            "says what it became."
+          : "Joins two bodies. Joints span a tree from ground outwards (in the order of "
+            "the file, a driven joint first); the others close loops as constraints, driven "
+            "ones too (their angles then show without whole turns). Rows of "
+            "constraints that follow from others are left out and named; they must agree "
+            "with these in position, speed and acceleration, drives included, and are "
+            "watched during the run: what contradicts ends it with the names of the rows "
+            "and the time. Loops are closed to 1e-9 of the mechanism's size; parts that do "
+            "not fit by up to 1e-6 of it are taken as they are, with a note.\n\nDrives may "
+            "follow controls. A position follows t, inputs and the states of controls (state, "
+            "filter, transfer_function, delay), what they read in their rates being positions, "
+            "states and time; a speed follows positions and every control as well, also one that "
+            "jumps (sample, relay: the speed then jumps with it); an acceleration follows whatever "
+            "formulas of forces may read, reactions too. What is not known in time is refused, with "
+            "the control that helps. The drive is ideal: its force (NAME.drive_force) is what the "
+            "motion takes, and does not act on the control unless this reads it.";
   schema.selector = "type";
   schema.keys = {text("from", "marker F on the first body, \"body.marker\"").required(),
                  text("to", "marker M on the second body").required()};
@@ -167,28 +155,11 @@ TableSchema joint_schema(bool is_connection) {
     const auto coordinates = joint->coordinates(), speeds = joint->speeds();
     for (const CoordinateInfo& c : coordinates)
       variant.keys.push_back(quantity(c.name, c.dimension,
-                                      "coordinate at the start" + frame_of(c.name) +
+                                      "coordinate at the start" + component_of(c.name) +
                                           "; moves only where the others cannot close the loops"));
     for (const CoordinateInfo& c : speeds)
-      variant.keys.push_back(quantity(c.name, c.dimension, "speed at the start" + frame_of(c.name)));
-    if (joint->n_p() == joint->n_v() && !is_connection) {
-      for (const CoordinateInfo& c : coordinates) {
-        Key drive = expression(joint->n_v() == 1 ? "drive" : "drive_" + c.name,
-                               "drives the coordinate \"" + c.name + "\"" + frame_of(c.name) +
-                                   ": a formula of t, parameters and states of controls");
-        drive.dimension = c.dimension;
-        variant.keys.push_back(std::move(drive));
-      }
-      for (const auto& [infos, what] :
-           {std::pair(speeds, "speed"), std::pair(joint->accelerations(), "acceleration")})
-        for (const CoordinateInfo& c : infos) {
-          Key drive =
-              expression("drive_" + c.name,
-                         fmt::format("drives this {} instead: a formula of t, parameters and signals", what));
-          drive.dimension = c.dimension;
-          variant.keys.push_back(std::move(drive));
-        }
-    }
+      variant.keys.push_back(quantity(c.name, c.dimension, "speed at the start" + component_of(c.name)));
+    for (Key& key : drive_keys(*joint)) variant.keys.push_back(std::move(key));
     variant.keys.insert(variant.keys.end(), type.keys.begin(), type.keys.end());
     variant.name = type.name;  // under a synonym: what it is another name of
     for (const std::string& synonym : type.synonyms) schema.variants[synonym] = variant;

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 
+#include "mbs/base/math/rotation_sequences.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "mbs/file/elements/user_library.hpp"
 
@@ -15,12 +17,22 @@ using input::Section;
 
 namespace {
 
-bool can_be_driven(const JointDescription& joint) {
-  return !joint.is_connection && joint.joint->n_p() == joint.joint->n_v();
+constexpr std::array kRotationVector = {"drive_rotation_x", "drive_rotation_y", "drive_rotation_z"};
+constexpr std::array kAngles = {"drive_angle_1", "drive_angle_2", "drive_angle_3"};
+
+bool has_any(const Section& s, const std::array<const char*, 3>& keys) {
+  return std::ranges::any_of(keys, [&](const char* key) { return s.has(key); });
 }
 
-std::string drive_key(const std::vector<CoordinateInfo>& coordinates, std::size_t i) {
-  return coordinates.size() == 1 ? "drive" : "drive_" + coordinates[i].name;
+/// The coordinate whose rate the speed i is; a ball's angular velocity is that of none.
+const CoordinateInfo* coordinate_of(const Joint& joint, const std::vector<CoordinateInfo>& coordinates,
+                                    int i) {
+  const int extra = joint.n_p() - joint.n_v();
+  return extra > 0 && i < 3 ? nullptr : &coordinates[static_cast<std::size_t>(i + extra)];
+}
+
+std::string drive_key(const std::vector<CoordinateInfo>& coordinates, const CoordinateInfo& driven) {
+  return coordinates.size() == 1 ? "drive" : "drive_" + driven.name;
 }
 
 /// A quaternion of zeros, as far as it is given; without that it is (1, 0, 0, 0).
@@ -33,16 +45,25 @@ void refuse_no_rotation(const Section& s, const std::vector<CoordinateInfo>& coo
 }
 
 void refuse_contradicting_drives(const Section& s, const JointDescription& joint) {
-  if (!can_be_driven(joint)) return;
   const auto coordinates = joint.joint->coordinates(), speeds = joint.joint->speeds(),
              accelerations = joint.joint->accelerations();
+  const bool turns = joint.joint->n_p() > joint.joint->n_v();
+  const bool by_vector = turns && has_any(s, kRotationVector), by_angles = turns && has_any(s, kAngles);
+  if (by_vector && by_angles)
+    s.refuse("drive_angle_1", "the rotation is driven twice, by angles and by a rotation vector",
+             "keep one of them");
+  for (std::size_t i = 0; turns && (by_vector || by_angles) && i < 4; ++i)
+    for (const std::string& key : {coordinates[i].name, i < 3 ? speeds[i].name : coordinates[i].name})
+      if (s.has(key)) s.refuse(key, "the rotation is driven", "take this key away");
   for (std::size_t i = 0; i < speeds.size(); ++i) {
-    const std::string drive = drive_key(coordinates, i), by_speed = "drive_" + speeds[i].name,
+    const CoordinateInfo* const q = coordinate_of(*joint.joint, coordinates, static_cast<int>(i));
+    const std::string by_speed = "drive_" + speeds[i].name,
                       by_acceleration = "drive_" + accelerations[i].name;
-    if (s.has(drive))
-      for (const std::string& key : {coordinates[i].name, speeds[i].name})
+    const bool drives = q ? s.has(drive_key(coordinates, *q)) : by_vector || by_angles;
+    if (q && drives)
+      for (const std::string& key : {q->name, speeds[i].name})
         if (s.has(key)) s.refuse(key, "the coordinate is driven", "take this key away");
-    if (s.has(drive) + s.has(by_speed) + s.has(by_acceleration) > 1)
+    if (drives + s.has(by_speed) + s.has(by_acceleration) > 1)
       s.refuse(s.has(by_acceleration) ? by_acceleration : by_speed, "the coordinate is driven twice",
                "keep one of the drives");
     if (s.has(by_speed) && s.has(speeds[i].name))
@@ -100,7 +121,67 @@ std::shared_ptr<const Expression> speed_by_state(const Section& s, const std::st
       std::move(acceleration), given == joint.initial_speeds.end() ? 0.0 : given->second);
 }
 
+std::optional<PrescribedRotation> read_rotation_drive(const Section& s, const ReadContext& context) {
+  const bool by_angles = has_any(s, kAngles);
+  if (!by_angles && !has_any(s, kRotationVector)) return {};
+  std::array<Prescribed, 3> q;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const char* const key = by_angles ? kAngles[i] : kRotationVector[i];
+    q[i] = s.has(key) ? context.motion_expression(s, key)
+                      : context.time_expression_of(s, by_angles ? kAngles[0] : kRotationVector[0], "0");
+  }
+  if (!by_angles) return PrescribedRotation(std::move(q), {});
+  return PrescribedRotation(std::move(q), axes_of_sequence(s.text("drive_sequence")));
+}
+
 }  // namespace
+
+std::string component_of(const std::string& name) {
+  if (name == "qw" || name == "qx" || name == "qy" || name == "qz")
+    return ", of the quaternion (w, x, y, z) that turns F's axes into M's";
+  const char last = name.back();
+  const bool is_component =
+      (last == 'x' || last == 'y' || last == 'z') && (name.size() == 1 || name[name.size() - 2] == '_');
+  return is_component ? ", of M as seen from F, in the axes of F" : "";
+}
+
+std::vector<input::Key> drive_keys(const Joint& joint) {
+  using namespace input;
+  std::vector<Key> keys;
+  const auto coordinates = joint.coordinates(), speeds = joint.speeds(),
+             accelerations = joint.accelerations();
+  const auto add = [&](const std::string& key, const Dimension& dimension, const std::string& doc) {
+    keys.push_back(expression(key, dimension, doc));
+  };
+  constexpr const char* of_what =
+      ": a formula of t, parameters, inputs, states of controls and algebraic states of these";
+  for (int i = 0; i < joint.n_v(); ++i)
+    if (const CoordinateInfo* q = coordinate_of(joint, coordinates, i))
+      add(drive_key(coordinates, *q), q->dimension,
+          "drives the coordinate \"" + q->name + "\"" + component_of(q->name) + of_what);
+  for (const auto& [infos, what] : {std::pair(&speeds, "speed"), std::pair(&accelerations, "acceleration")})
+    for (const CoordinateInfo& c : *infos)
+      add("drive_" + c.name, c.dimension,
+          fmt::format("drives this {} instead{}: a formula of t, parameters and signals", what,
+                      component_of(c.name)));
+  if (joint.n_p() == joint.n_v()) return keys;
+  for (std::size_t i = 0; i < 3; ++i)
+    add(kRotationVector[i], dim::angle,
+        fmt::format("drives the rotation, by the {} component of the rotation vector (axis times angle) of M "
+                    "in the axes "
+                    "of F; 0 where another is given{}",
+                    "xyz"[i], of_what));
+  for (std::size_t i = 0; i < 3; ++i)
+    add(kAngles[i], dim::angle,
+        fmt::format("drives the rotation instead by turns about three axes, each turned by those before it: "
+                    "turn {}; 0 "
+                    "where another is given{}",
+                    i + 1, of_what));
+  keys.push_back(
+      choice("drive_sequence", rotation_sequences(), "axes of drive_angle_1, drive_angle_2, drive_angle_3")
+          .or_default("xyz"));
+  return keys;
+}
 
 JointDescription read_joint(const std::string& name, const Section& s, const ReadContext& context,
                             bool is_connection) {
@@ -156,10 +237,11 @@ void read_drives(const Section& s, const ReadContext& context, JointDescription&
       by_acceleration(k, "drive_acceleration", formula);
     return;
   }
-  if (!can_be_driven(joint)) return;
-  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+  if (joint.joint->n_p() > joint.joint->n_v()) joint.rotation_drive = read_rotation_drive(s, context);
+  for (std::size_t i = 0; i < speeds.size(); ++i) {
     const int k = static_cast<int>(i);
-    if (const std::string key = drive_key(coordinates, i); s.has(key))
+    const CoordinateInfo* const q = coordinate_of(*joint.joint, coordinates, k);
+    if (const std::string key = q ? drive_key(coordinates, *q) : ""; q && s.has(key))
       joint.drives[k] = context.motion_expression(s, key);
     if (const std::string key = "drive_" + speeds[i].name; s.has(key))
       joint.speed_drives[k] = context.motion_expression(s, key);

@@ -15,4 +15,9 @@ JointDescription read_joint(const std::string& name, const input::Section& secti
 /// Its drives, once the names of controls are known, whose states they may follow.
 void read_drives(const input::Section& section, const ReadContext& context, JointDescription& joint);
 
+/// The keys of these drives for a type of joint.
+std::vector<input::Key> drive_keys(const Joint& joint);
+/// ", of M as seen from F, in the axes of F" of a component along x, y, z; of a quaternion what it turns.
+std::string component_of(const std::string& coordinate);
+
 }  // namespace flexura::mbs

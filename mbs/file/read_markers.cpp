@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "mbs/file/bodies/read_body.hpp"
+#include "mbs/file/bodies/read_pose.hpp"
 #include "mbs/file/read_linked_marker.hpp"
 
 namespace flexura::mbs {

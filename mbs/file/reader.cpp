@@ -10,6 +10,7 @@
 #include "mbs/bodies/modal_basis.hpp"
 #include "mbs/file/bodies/read_body.hpp"
 #include "mbs/file/bodies/read_flexible_body.hpp"
+#include "mbs/file/bodies/read_pose.hpp"
 #include "mbs/file/bodies/read_section_points.hpp"
 #include "mbs/file/complete_model.hpp"
 #include "mbs/file/elements/element_types.hpp"

@@ -5,14 +5,15 @@
 
 #include <algorithm>
 
+#include "mbs/file/bodies/read_pose.hpp"
 #include "mbs/formulas/expression.hpp"
 
 namespace flexura::mbs {
 
 std::vector<std::string> take_overrides_below(const std::vector<std::string>& overrides,
                                               std::map<std::string, std::vector<std::string>>& below) {
-  static const std::vector<std::string> placing = {"file", "parameters", "on",       "position",
-                                                   "axis", "x_axis",     "rotation", "quaternion"};
+  std::vector<std::string> placing = pose_key_names();
+  placing.insert(placing.end(), {"file", "parameters", "on"});
   const std::string opening = "subsystem.";
   std::vector<std::string> own;
   for (const std::string& text : overrides) {

@@ -262,7 +262,7 @@ std::vector<int> loaded_nodes(const MechanismDescription& d, int body) {
       found.insert(d.markers[marker].node);
   };
   for (const JointDescription& joint : d.joints) {
-    if (joint.joint->n_rows() == 0) continue;  // carries no load
+    if (joint.joint->n_rows() == 0 && !joint.is_driven()) continue;  // carries no load
     take(joint.marker_F);
     take(joint.marker_M);
   }

@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/mechanism/constraint_equations.hpp"
 
+#include "mbs/mechanism/motion/start_values.hpp"
+
 namespace flexura::mbs {
 
 void ConstraintEquations::move(When when, ConstVectorRef p, MechanismScratch& work) const {
@@ -22,9 +24,17 @@ void ConstraintEquations::start_followed(State& s, const std::vector<bool>& give
   for (const FollowedSignals::Follower& follower : m_.followed.followers()) {
     const RowPlace row = m_.rows.place_of_row(m_.rows.first_row(follower.constraint));
     if (row.driven < 0 || follower.what.level != DriveLevel::position) continue;
-    const JointPlace& joint = m_.tree.places[static_cast<std::size_t>(row.joint)];
-    if (joint.in_tree())
-      s.p(joint.i_p + row.driven) = work.rows.followed.of_constraints[follower.constraint].value;
+    const JointDescription& joint = m_.tree.d.joints[static_cast<std::size_t>(row.joint)];
+    const JointPlace& place = m_.tree.places[static_cast<std::size_t>(row.joint)];
+    if (!place.in_tree()) continue;
+    if (const auto* rotation =
+            dynamic_cast<const RotationDrive*>(m_.rows.constraints()[follower.constraint].get())) {
+      m_.rows.own_contact(follower.constraint, work.motion, work.rows);
+      put_rotation(rotation->wanted(work.motion.kin), place, s.p, s.v);
+    } else {
+      s.p(place.i_p + joint.coordinate_of_speed(row.driven)) =
+          work.rows.followed.of_constraints[follower.place].value;
+    }
   }
   // Its speed, too, as of drives by time: left at rest it would set off by a blow that the rest of the mechanism feels.
   m_.kinematics.forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work.motion);
@@ -32,11 +42,18 @@ void ConstraintEquations::start_followed(State& s, const std::vector<bool>& give
   for (const FollowedSignals::Follower& follower : m_.followed.followers()) {
     const RowPlace row = m_.rows.place_of_row(m_.rows.first_row(follower.constraint));
     if (row.driven < 0 || follower.what.level == DriveLevel::acceleration) continue;
-    const JointPlace& joint = m_.tree.places[static_cast<std::size_t>(row.joint)];
-    const int speed = joint.i_v + row.driven;
-    if (!joint.in_tree() || given_v[static_cast<std::size_t>(speed)]) continue;
-    const Jet& y = work.rows.followed.of_constraints[follower.constraint];
-    s.v(joint.i_v + row.driven) = follower.what.level == DriveLevel::position ? y.first : y.value;
+    const JointPlace& place = m_.tree.places[static_cast<std::size_t>(row.joint)];
+    if (!place.in_tree()) continue;
+    if (const auto* rotation =
+            dynamic_cast<const RotationDrive*>(m_.rows.constraints()[follower.constraint].get())) {
+      m_.rows.own_contact(follower.constraint, work.motion, work.rows);
+      put_rotation(rotation->wanted(work.motion.kin), place, s.p, s.v);
+      continue;
+    }
+    const int speed = place.i_v + row.driven;
+    if (given_v[static_cast<std::size_t>(speed)]) continue;
+    const Jet& y = work.rows.followed.of_constraints[follower.place];
+    s.v(speed) = follower.what.level == DriveLevel::position ? y.first : y.value;
   }
 }
 

@@ -388,6 +388,14 @@ void Mechanism::body_poses(const State& s, Scratch& scratch, std::vector<Pose>& 
   poses.resize(description().bodies.size());
   for (std::size_t b = 0; b < poses.size(); ++b) poses[b] = work.motion.bodies[b].X_WB;
 }
+Eigen::VectorXd Mechanism::force_along(CoordinateRef c, const State& s, Scratch& scratch) const {
+  MechanismScratch& work = move(s.t, s.p, scratch);
+  m_->dynamics.clear_loads(work.wrenches);
+  BodyLoads(m_->tree, work.motion, work.wrenches, -1.0).apply(c, 1.0);
+  m_->dynamics.backward(work.motion, work.wrenches, work.wrenches.r.data());
+  return work.wrenches.r.head(m_->tree.n_v);
+}
+
 void Mechanism::body_motions(const State& s, ConstVectorRef v_dot, Scratch& scratch,
                              std::vector<MarkerState>& bodies) const {
   MechanismScratch& work = scratch_of(scratch);

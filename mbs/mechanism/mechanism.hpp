@@ -133,6 +133,8 @@ class Mechanism final : public Equations {
 
   /// Pose of every body (0 = ground) for pictures.
   void body_poses(const State& s, Scratch& scratch, std::vector<Pose>& poses) const;
+  /// What a unit force on a coordinate of a joint puts on the velocity coordinates (n_v), of one that closes a loop, too.
+  Eigen::VectorXd force_along(CoordinateRef c, const State& s, Scratch& scratch) const;
   /// Poses, twists and accelerations of the bodies' frames, all in W.
   void body_motions(const State& s, ConstVectorRef v_dot, Scratch& scratch,
                     std::vector<MarkerState>& bodies) const;

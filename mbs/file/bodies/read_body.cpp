@@ -6,7 +6,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "mbs/base/math/rotation.hpp"
 #include "mbs/file/bodies/read_flexible_body.hpp"
 #include "mbs/file/fidelities.hpp"
 #include "mbs/mechanism/description/body_faults.hpp"
@@ -14,37 +13,6 @@
 namespace flexura::mbs {
 
 using input::Section;
-
-namespace {
-
-Matrix3d read_rotation(const Section& s) {
-  const int given = s.has("axis") + s.has("rotation") + s.has("quaternion");
-  if (given > 1) s.refuse("", "has more than one of axis, rotation, quaternion", "keep one");
-  if (s.has("x_axis") && !s.has("axis")) s.refuse("x_axis", "goes with axis only", "give the z axis by axis");
-  if (s.has("rotation")) return rotation_exp(s.vector3("rotation"));
-  if (s.has("quaternion")) {
-    const Eigen::Vector4d q = s.quaternion("quaternion");
-    return rotation_of_quaternion(q.data());
-  }
-  if (!s.has("axis")) return Matrix3d::Identity();
-  const Vector3d axis = s.vector3("axis");
-  if (!(axis.norm() > 0.0)) s.refuse("axis", "has no length", "write for example [0, 0, 1]");
-  Matrix3d R = frame_along(axis);
-  if (s.has("x_axis")) {
-    const Vector3d wanted = s.vector3("x_axis");
-    const Vector3d x = wanted - wanted.dot(R.col(2)) * R.col(2);
-    if (!(x.norm() > 1e-9 * wanted.norm())) s.refuse("x_axis", "is parallel to axis", "turn it away");
-    R.col(0) = x.normalized();
-    R.col(1) = R.col(2).cross(R.col(0));
-  }
-  return R;
-}
-
-}  // namespace
-
-Pose read_pose(const Section& s) {
-  return {read_rotation(s), s.has("position") ? s.vector3("position") : Vector3d::Zero()};
-}
 
 std::string shapes_json(const Section& s) {
   nlohmann::json shapes = nlohmann::json::array();

@@ -9,9 +9,6 @@
 /// Pieces of a body's table in the mechanism file.  All throw InputError.
 namespace flexura::mbs {
 
-/// position and axis, rotation or quaternion.
-Pose read_pose(const input::Section& s);
-
 /// Refuses, all at once, what says nothing of a body made as this one is: mass, center and inertia beside a superelement or a
 /// beam; what is about deformation where there is no superelement.
 void refuse_keys_of_others(const input::Section& s);

@@ -25,7 +25,10 @@ Coupler::Term term(const ReadContext& c, CoordinateRef coordinate, double factor
 }
 
 input::Key offset() {
-  return input::expression("offset", "value of the sum: a formula of t, parameters and states of controls")
+  return input::expression(
+             "offset",
+             "value of the sum: a formula of t, parameters, inputs, states of controls and algebraic states "
+             "of these")
       .or_default("0");
 }
 
@@ -174,15 +177,30 @@ ConstraintType perpendicular() {
 ConstraintType distance() {
   ConstraintType type;
   type.name = "distance";
-  type.doc = "The origins of F and M keep a distance: a massless link with ball joints.";
+  type.doc =
+      "The origins of F and M keep a distance, which may change in time: a massless link with ball joints, a "
+      "hoist, an "
+      "ideal actuator.";
   type.keys = ends();
-  type.keys.push_back(input::quantity("length", input::dim::length, "the distance").required().above(0.0));
+  type.keys.push_back(
+      input::expression("length", input::dim::length,
+                        "the distance: a formula of t, parameters, inputs, states of controls and "
+                        "algebraic states of these, positive")
+          .required());
   type.gives = forces();
   type.gives.push_back({"tension", "N", "of the link: positive where it pulls its ends together"});
   type.read = [](const std::string& own, const input::Section& s,
                  const ReadContext& c) -> std::shared_ptr<const Constraint> {
-    return std::make_shared<RelativeConstraint>(own, c.marker(s, "from"), c.marker(s, "to"),
-                                                std::make_shared<Distance>(s.quantity("length")));
+    const int F = c.marker(s, "from"), M = c.marker(s, "to");
+    const Prescribed length = c.motion_expression(s, "length");
+    if (!length.follows())
+      if (const double at_start = length.formula()->time_derivatives(0.0).value; !(at_start > 0.0))
+        s.refuse("length", length.moves() ? fmt::format("is {:.6g} m at t = 0, and must be above 0", at_start)
+                                          : "must be above 0");
+    if (length.moves())
+      return std::make_shared<RelativeConstraint>(own, F, M, std::make_shared<Span>(), length);
+    return std::make_shared<RelativeConstraint>(
+        own, F, M, std::make_shared<Distance>(length.formula()->time_derivatives(0.0).value));
   };
   return type;
 }

@@ -1,4 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include "mbs/base/math/rotation_sequences.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "mbs/file/elements/read_reaction.hpp"
 #include "mbs/measures/acceleration.hpp"
@@ -48,17 +49,12 @@ MeasureType rotation_angle() {
       "deg.",
       {text("from", "marker F that it is seen from, \"body.marker\"").required(),
        text("to", "marker M that it is taken of").required(),
-       choice("sequence",
-              {"xyz", "xzy", "yxz", "yzx", "zxy", "zyx", "xyx", "xzx", "yxy", "yzy", "zxz", "zyz"},
-              "axes of the turns")
-           .or_default("xyz"),
+       choice("sequence", rotation_sequences(), "axes of the turns").or_default("xyz"),
        integer("angle", "which of the three: 1, 2 or 3").required().at_least(1).at_most(3)},
       {{"", "rad", ""}},
       [](const std::string& name, const Section& s, const ReadContext& c) -> std::shared_ptr<const Measure> {
-        RotationAngle::Sequence axes;
-        for (std::size_t i = 0; i < 3; ++i) axes[i] = s.text("sequence")[i] - 'x';
-        return std::make_shared<RotationAngle>(name, c.marker(s, "from"), c.marker(s, "to"), axes,
-                                               s.integer("angle") - 1);
+        return std::make_shared<RotationAngle>(name, c.marker(s, "from"), c.marker(s, "to"),
+                                               axes_of_sequence(s.text("sequence")), s.integer("angle") - 1);
       }};
 }
 

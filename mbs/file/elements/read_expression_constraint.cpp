@@ -49,7 +49,12 @@ class Arguments {
           {place, {}, F, M, [measure](const Relative& rel) { return measure->of_pose(rel); }});
       return;
     }
-    cannot_read(name, "a control, an input or a reaction");
+    const auto has_name = [&](const auto& one) { return one.name == name; };
+    const auto is_called = [&](const auto& control) { return control->name() == name; };
+    if (!std::ranges::any_of(d_.inputs, has_name) && !std::ranges::any_of(d_.controls, is_called))
+      cannot_read(name, "a reaction, an acceleration or a control that passes on what it reads");
+    arguments.push_back(
+        {place, {}, -1, -1, {}, c_.motion_expression_of(s_, "value", name.substr(c_.prefix().size()))});
   }
 
   bool take_coordinate(int place, const std::string& name) {
@@ -74,8 +79,9 @@ class Arguments {
 
   [[noreturn]] void cannot_read(const std::string& name, const std::string& what) const {
     s_.refuse("value", fmt::format("reads \"{}\", {}", name.substr(c_.prefix().size()), what),
-              "let it read t, parameters, joint coordinates, measures of position, distance, axis, angle or "
-              "rotation_angle, and measures that are formulas of these");
+              "let it read t, parameters, inputs, states of controls, joint coordinates, measures of "
+              "position, distance, "
+              "axis, angle or rotation_angle, and measures that are formulas of these");
   }
 
   const input::Section& s_;
@@ -89,7 +95,7 @@ std::shared_ptr<const Constraint> read(const std::string& name, const input::Sec
   const auto value = c.plain_expression(s, "value");
   Arguments found(s, c);
   found.take(*value);
-  if (found.arguments.empty())
+  if (std::ranges::all_of(found.arguments, [](const auto& y) { return y.followed != nullptr; }))
     s.refuse("value", "reads no coordinate: there is nothing that it could hold",
              "write a formula of joint coordinates or of measures of positions");
   return std::make_shared<ExpressionConstraint>(name, std::move(found.arguments), std::move(found.between),
@@ -107,8 +113,8 @@ ConstraintType expression_constraint() {
       "second derivatives where the motion passes: comparisons, sign and what rounds are refused.",
       {expression("value",
                   "what is held at 0: a formula of t, parameters, joint coordinates, measures of "
-                  "position, distance, axis, angle or rotation_angle, and measures that are formulas of "
-                  "these, in SI")
+                  "position, distance, axis, angle or rotation_angle, inputs, states of controls, algebraic "
+                  "states of these, and measures that are formulas of all these, in SI")
            .required(),
        unit_key("the value")},
       {{"force", "N or N*m",

@@ -30,9 +30,9 @@ std::vector<Readable> all_readable(const MechanismDescription& d) {
     const JointDescription& joint = d.joints[j];
     const int k = static_cast<int>(j);
     if (joint.joint->n_rows() > 0) add_outputs(joint.name, wrench_outputs(true, true), {By::joint, k}, all);
-    const auto coordinates = joint.joint->coordinates();
+    const auto speeds = joint.joint->speeds();
     for (const int index : joint.driven()) {
-      const bool is_angle = coordinates[static_cast<std::size_t>(index)].dimension == input::dim::angle;
+      const bool is_angle = speeds[static_cast<std::size_t>(index)].dimension == input::dim::angular_velocity;
       all.push_back({joint.name + "." + joint.drive_force_name(index),
                      {By::drive, k, index},
                      0,

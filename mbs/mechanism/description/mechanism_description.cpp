@@ -15,14 +15,19 @@ int MechanismDescription::add_marker(int body, const std::string& marker_name, c
 
 std::vector<int> JointDescription::driven() const {
   std::vector<int> all;
+  if (rotation_drive) all = {0, 1, 2};
   for (const auto* one : {&drives, &speed_drives, &acceleration_drives})
     for (const auto& [coordinate, motion] : *one) all.push_back(coordinate);
   return all;
 }
 
-std::string JointDescription::drive_force_name(int coordinate) const {
-  if (driven().size() == 1) return "drive_force";
-  return "drive_force_" + joint->coordinates()[static_cast<std::size_t>(coordinate)].name;
+std::string JointDescription::driven_name(int speed) const {
+  if (joint->n_p() > joint->n_v() && speed < 3) return joint->speeds()[static_cast<std::size_t>(speed)].name;
+  return joint->coordinates()[static_cast<std::size_t>(coordinate_of_speed(speed))].name;
+}
+
+std::string JointDescription::drive_force_name(int speed) const {
+  return driven().size() == 1 ? "drive_force" : "drive_force_" + driven_name(speed);
 }
 
 int MechanismDescription::add_joint(const std::string& joint_name, const std::string& type, int marker_F,

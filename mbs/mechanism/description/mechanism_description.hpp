@@ -13,6 +13,7 @@
 #include "mbs/bodies/stress_field.hpp"
 #include "mbs/bodies/surface_points.hpp"
 #include "mbs/constraints/constraint.hpp"
+#include "mbs/constraints/rotation_drive.hpp"
 #include "mbs/controls/control.hpp"
 #include "mbs/forces/force.hpp"
 #include "mbs/joints/joint.hpp"
@@ -57,14 +58,22 @@ struct JointDescription {
   bool is_connection = false;
   std::map<int, double> initial_coordinates;  ///< by index
   std::map<int, double> initial_speeds;
-  std::map<int, std::shared_ptr<const Expression>> drives;  ///< coordinate = formula of time
+  /// Coordinates, by the index of their speeds, as formulas of time.
+  std::map<int, std::shared_ptr<const Expression>> drives;
   std::map<int, std::shared_ptr<const Expression>> speed_drives,
-      acceleration_drives;  ///< the same of its rates
-  bool is_driven() const { return !drives.empty() || !speed_drives.empty() || !acceleration_drives.empty(); }
-  /// Coordinates that are driven, those of `drives` first.
+      acceleration_drives;                           ///< the same of its rates
+  std::optional<PrescribedRotation> rotation_drive;  ///< of a joint with a quaternion
+  bool is_driven() const {
+    return !drives.empty() || !speed_drives.empty() || !acceleration_drives.empty() || rotation_drive;
+  }
+  /// What is driven, by speeds: a rotation, then coordinates of `drives`.
   std::vector<int> driven() const;
+  /// Where the coordinate whose rate this speed is stands among coordinates.
+  int coordinate_of_speed(int speed) const { return speed + joint->n_p() - joint->n_v(); }
+  /// "angle", "x"; of a ball's rotation "omega_x".
+  std::string driven_name(int speed) const;
   /// What the drive of a coordinate exerts, as results name it: "drive_force", of several "drive_force_angle".
-  std::string drive_force_name(int coordinate) const;
+  std::string drive_force_name(int speed) const;
 };
 
 /// A formula of the motion.

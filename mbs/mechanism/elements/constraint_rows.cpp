@@ -78,8 +78,15 @@ ConstraintRows::ConstraintRows(const Topology& tree) : tree_(tree), closures_(tr
                         "control of type "
                         "state with this rate",
                         motion->where(), motion->text()));
-      constraints_.push_back(std::make_shared<DriveConstraint>(joint.name, c, motion, level, start_speed));
+      constraints_.push_back(std::make_shared<DriveConstraint>(
+          joint.name, c, joint.coordinate_of_speed(index), motion, level, start_speed));
     };
+    if (joint.rotation_drive) {
+      driven_.resize(constraints_.size() + 1);
+      driven_.back() = {static_cast<int>(j), 0};
+      constraints_.push_back(std::make_shared<RotationDrive>(joint.name, static_cast<int>(j), joint.marker_F,
+                                                             joint.marker_M, *joint.rotation_drive));
+    }
     for (const auto& [index, motion] : joint.drives) drive(index, motion, DriveLevel::position);
     for (const auto& [index, motion] : joint.speed_drives) drive(index, motion, DriveLevel::speed);
     for (const auto& [index, motion] : joint.acceleration_drives) {
@@ -91,12 +98,16 @@ ConstraintRows::ConstraintRows(const Topology& tree) : tree_(tree), closures_(tr
   constraints_.insert(constraints_.end(), tree_.d.constraints.begin(), tree_.d.constraints.end());
   driven_.resize(constraints_.size());
   int row = 0;
+  std::size_t followed = 0;
   for (const auto& constraint : constraints_) {
+    first_followed_.push_back(followed);
+    followed += static_cast<std::size_t>(constraint->n_followed());
     if (constraint->has_contact()) contacts_.push_back(static_cast<int>(first_row_.size()));
     first_row_.push_back(row);
     row += constraint->n_rows();
   }
   first_row_.push_back(row);
+  first_followed_.push_back(followed);
   keep_all();
 }
 
@@ -104,7 +115,7 @@ void ConstraintRows::size(RowValues& rows) const {
   rows.x.setZero(n_all());
   rows.g.setZero(n_all());
   rows.contacts.assign(constraints_.size(), std::numeric_limits<double>::quiet_NaN());
-  rows.followed.of_constraints.assign(constraints_.size(), Jet{});
+  rows.followed.of_constraints.assign(first_followed_.back(), Jet{});
 }
 
 void ConstraintRows::keep_all() {
@@ -119,7 +130,7 @@ void ConstraintRows::list_kinds(Motion& motion, RowValues& rows, std::vector<boo
   for (std::size_t k = 0; k < constraints_.size(); ++k) {
     const Constraint& constraint = *constraints_[k];
     own_contact(k, motion, rows);
-    const bool follows = constraint.following().formula != nullptr;
+    const bool follows = constraint.n_followed() > 0;
     if (!follows) constraint.rate(motion.kin, rows.g.data() + first_row_[k]);
     for (int i = 0; i < constraint.n_rows(); ++i) {
       const int place = first_row_[k] + i;
@@ -133,7 +144,7 @@ void ConstraintRows::list_kinds(Motion& motion, RowValues& rows, std::vector<boo
 
 void ConstraintRows::own_contact(std::size_t constraint, Motion& motion, RowValues& rows) const {
   motion.kin.own.contact = &rows.contacts[constraint];
-  motion.kin.own.followed = &rows.followed.of_constraints[constraint];
+  motion.kin.own.followed = rows.followed.of_constraints.data() + first_followed_[constraint];
 }
 
 void ConstraintRows::take_contacts(const Eigen::VectorXd& algebraic, int n_before, RowValues& rows) const {
@@ -256,10 +267,11 @@ std::size_t ConstraintRows::constraint_of_row(int row) const {
 }
 
 int ConstraintRows::drive_of(CoordinateRef c) const {
-  const auto found = std::ranges::find_if(driven_, [&](const CoordinateRef& driven) {
-    return driven.joint == c.joint && driven.index == c.index;
-  });
-  return found == driven_.end() ? -1 : static_cast<int>(found - driven_.begin());
+  for (std::size_t k = 0; k < driven_.size(); ++k)
+    if (const int row = c.index - driven_[k].index;
+        driven_[k].joint == c.joint && row >= 0 && row < constraints_[k]->n_rows())
+      return first_row_[k] + row;
+  return -1;
 }
 
 RowPlace ConstraintRows::place_of_row(int row) const {
@@ -270,7 +282,7 @@ RowPlace ConstraintRows::place_of_row(int row) const {
     place.constraint = static_cast<int>(k - first_own());
   } else if (driven_[k].joint >= 0) {
     place.joint = driven_[k].joint;
-    place.driven = driven_[k].index;
+    place.driven = driven_[k].index + place.row;
   } else {
     const auto closes = [k](const auto& closure) { return closure.first && closure.second == k; };
     place.joint = static_cast<int>(std::ranges::find_if(closures_, closes) - closures_.begin());
@@ -285,8 +297,8 @@ std::string ConstraintRows::name_of_row(int row) const {
   if (driven.joint < 0) return name;
   // Of several driven coordinates of a joint it says which, as the drives' forces do.
   const JointDescription& joint = tree_.d.joints[driven.joint];
-  if (joint.drives.size() + joint.speed_drives.size() + joint.acceleration_drives.size() < 2) return name;
-  return name + "_" + joint.joint->coordinates()[driven.index].name;
+  if (joint.driven().size() < 2) return name;
+  return name + "_" + joint.driven_name(driven.index + row - first_row_[k]);
 }
 
 std::vector<std::string> ConstraintRows::names_of_left_out(int i) const {

@@ -15,9 +15,10 @@ namespace flexura::mbs {
 
 /// What rows follow, see followed_signals.hpp.
 struct FollowedValues {
-  std::vector<Jet> of_constraints;  ///< of each constraint
+  std::vector<Jet> of_constraints;  ///< all that constraints follow, one behind the other
   std::vector<Jet> signals;  ///< of each signal, as far as it is needed; empty where nothing is followed
   Eigen::VectorXd c_rate, c_rate_2;
+  Eigen::VectorXd seen;  ///< values of signals as forces see them, while algebraic states are eliminated
 };
 
 /// What ConstraintRows leaves of one state.
@@ -33,7 +34,7 @@ enum class Which { all, with_derivatives, without_derivatives };
 /// What a row belongs to; -1 where it is not.
 struct RowPlace {
   int joint = -1;       ///< whose loop it closes, or which it drives
-  int driven = -1;      ///< the coordinate of the joint that it drives
+  int driven = -1;      ///< what it drives of the joint, by its speed
   int constraint = -1;  ///< of the description's
   int row = 0;          ///< of the joint or the constraint
 };
@@ -45,6 +46,8 @@ class ConstraintRows {
 
   const std::vector<std::shared_ptr<const Constraint>>& constraints() const { return constraints_; }
   int first_row(std::size_t constraint) const { return first_row_[constraint]; }
+  /// The place in FollowedValues::of_constraints of what the constraint follows first.
+  std::size_t first_followed(std::size_t constraint) const { return first_followed_[constraint]; }
   int n_all() const { return first_row_.back(); }
   /// Of all rows those that are kept and those left out; of each of these the kept ones that it is a combination of.
   struct Choice {
@@ -59,7 +62,7 @@ class ConstraintRows {
   /// The joint as a loop's closure, and its index among the constraints; null where the joint is in the tree or locks
   /// nothing.
   std::pair<const RelativeConstraint*, std::size_t> closure(int joint) const { return closures_[joint]; }
-  /// The constraint that drives a coordinate; -1 where none does.
+  /// The row, among all, that drives a coordinate, by its speed; -1 where none does.
   int drive_of(CoordinateRef c) const;
   /// The first of the description's own constraints.
   std::size_t first_own() const { return constraints_.size() - tree_.d.constraints.size(); }
@@ -107,8 +110,10 @@ class ConstraintRows {
   const Topology& tree_;
   std::vector<std::shared_ptr<const Constraint>> constraints_;  ///< closures, drives, then the description's
   std::vector<std::pair<const RelativeConstraint*, std::size_t>> closures_;  ///< of each joint
-  std::vector<CoordinateRef> driven_;  ///< of each constraint; joint = -1 where it is no drive
-  std::vector<int> first_row_;         ///< of each constraint among all rows, and their number at the end
+  std::vector<CoordinateRef>
+      driven_;                  ///< of each constraint, by its first row; joint = -1 where it is no drive
+  std::vector<int> first_row_;  ///< of each constraint among all rows, and their number at the end
+  std::vector<std::size_t> first_followed_;  ///< likewise of what constraints follow
   Choice choice_;
   std::vector<int> contacts_;
 };

@@ -57,8 +57,12 @@ ElementStates::ElementStates(const Topology& tree) : tree_(tree) {
   for (const JointDescription& joint : tree_.d.joints)
     for (const auto* drives : {&joint.drives, &joint.speed_drives, &joint.acceleration_drives})
       for (const auto& [index, motion] : *drives) mark(motion->reads());
+  for (const JointDescription& joint : tree_.d.joints)
+    for (int i = 0; joint.rotation_drive && i < 3; ++i)
+      mark(joint.rotation_drive->angles()[static_cast<std::size_t>(i)].formula()->reads());
   for (const auto& constraint : tree_.d.constraints)
-    if (const Following what = constraint->following(); what.formula) mark(what.formula->reads());
+    for (int i = 0; i < constraint->n_followed(); ++i)
+      if (const Following what = constraint->following(i); what.formula) mark(what.formula->reads());
   // A measure reads only measures before it: backwards, so that what a used one needs is used too.
   for (std::size_t i = tree_.d.measures.size(); i-- > 0;)
     if (const int k = tree_.d.signals.find(tree_.d.measures[i]->name()); k >= 0 && is_used[k])

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "mbs/mechanism/elements/directional.hpp"
@@ -14,8 +16,9 @@ FollowedSignals::FollowedSignals(const Topology& tree, const ElementStates& stat
                                  const ConstraintRows& rows)
     : tree_(tree), states_(states), order_(static_cast<std::size_t>(tree.d.signals.size()), -1) {
   for (std::size_t k = 0; k < rows.constraints().size(); ++k)
-    if (const Following what = rows.constraints()[k]->following(); what.formula)
-      followers_.push_back({k, what});
+    for (int i = 0; i < rows.constraints()[k]->n_followed(); ++i)
+      if (const Following what = rows.constraints()[k]->following(i); what.formula)
+        followers_.push_back({k, rows.first_followed(k) + static_cast<std::size_t>(i), what});
   for (const Follower& follower : followers_) {
     check(follower);
     for (const int place : follower.what.formula->reads())
@@ -29,10 +32,13 @@ void FollowedSignals::size(FollowedValues& values) const {
   values.signals.assign(order_.size(), Jet{});
   values.c_rate.setZero(tree_.n_dyn);
   values.c_rate_2.setZero(tree_.n_dyn);
+  values.seen.setZero(static_cast<Eigen::Index>(order_.size()));
 }
 
 void FollowedSignals::check(const Follower& follower) const {
   const Expression& f = *follower.what.formula;
+  std::vector<int> seen(order_.size(), 0), list;
+  for (const int place : f.reads()) order_by_reads(place, seen, list);
   const auto refuse = [&](const std::string& why, const std::string& remedy) {
     throw std::invalid_argument(fmt::format("{} = \"{}\": {}; {}", f.where(), f.text(), why, remedy));
   };
@@ -49,11 +55,12 @@ void FollowedSignals::check(const Follower& follower) const {
                            tree_.d.signals.names()[place]),
                "put a control of type filter behind it, or drive the speed");
       if (const auto on = find_dependent(place))
-        refuse(fmt::format("a position can follow time, inputs and states of controls, and \"{}\" is {}",
+        refuse(fmt::format("a position can follow time, inputs, states of controls and algebraic states of "
+                           "these, and \"{}\" is {}",
                            on->name, on->why),
-               "couple coordinates by a constraint (type = \"coupler\"), put a control of type filter "
-               "between, or drive "
-               "the speed");
+               "hold a formula of coordinates and signals by a constraint (type = \"expression\"), put a "
+               "control of type "
+               "filter between, or drive the speed");
     }
   }
   for (const int place : f.reads())
@@ -67,12 +74,13 @@ void FollowedSignals::check(const Follower& follower) const {
 
 bool FollowedSignals::jumps(int place) const {
   const auto& source = states_.sources()[place];
-  if (source.kind == Kind::control) return tree_.d.controls[source.element]->n_switches() > 0;
-  const Expression* formula =
-      source.kind == Kind::measure ? tree_.d.measures[source.element]->formula() : nullptr;
+  if (source.kind == Kind::control && tree_.d.controls[source.element]->n_switches() > 0) return true;
+  const Expression* formula = source.kind == Kind::measure ? tree_.d.measures[source.element]->formula()
+                              : algebraic(place)           ? algebraic(place)->equation()
+                                                           : nullptr;
   if (!formula) return false;
   return std::ranges::any_of(formula->conditions(), [&](int node) { return !formula->is_kink(node); }) ||
-         std::ranges::any_of(formula->reads(), [&](int k) { return jumps(k); });
+         std::ranges::any_of(made_of(place), [&](int k) { return jumps(k); });
 }
 
 // What is no function of c and t alone.
@@ -96,7 +104,13 @@ std::optional<FollowedSignals::Unknown> FollowedSignals::find_dependent(int plac
     }
     case Kind::control: {
       const Control& control = *tree_.d.controls[source.element];
-      if (control.is_algebraic()) return Unknown{name, "an algebraic state"};
+      if (control.is_algebraic()) {
+        for (const int k : made_of(place))
+          if (const auto found = find_dependent(k))
+            return Unknown{
+                name, fmt::format("an algebraic state that depends on \"{}\", {}", found->name, found->why)};
+        return {};
+      }
       if (control.feeds_through())
         return Unknown{name, fmt::format("a {} that passes on what it reads", control.type())};
       return {};
@@ -133,7 +147,7 @@ std::optional<FollowedSignals::Unknown> FollowedSignals::find_unknown(int place,
     }
     case Kind::control: {
       const Control& control = *tree_.d.controls[source.element];
-      if (control.is_algebraic()) return Unknown{name, "an algebraic state"};
+      if (control.is_algebraic()) return of_reads(made_of(place), order);
       if (control.n_switches() > 0) return {};  // constant between its switches
       return of_reads(control.reads(), order - control.relative_degree());
     }
@@ -146,31 +160,90 @@ void FollowedSignals::need(int place, int order) {
   if (order <= known) return;
   known = order;
   const auto& source = states_.sources()[place];
-  if (source.kind == Kind::measure)
-    for (const int k : tree_.d.measures[source.element]->reads()) need(k, order);
+  for (const int k : made_of(place)) need(k, order);
   if (source.kind != Kind::control) return;
   const Control& control = *tree_.d.controls[source.element];
   if (control.is_algebraic() || control.n_switches() > 0) return;
   for (const int k : control.reads()) need(k, std::max(order - control.relative_degree(), 0));
 }
 
+std::vector<int> FollowedSignals::made_of(int place) const {
+  const auto& source = states_.sources()[place];
+  if (source.kind == Kind::measure) return tree_.d.measures[source.element]->reads();
+  std::vector<int> reads;
+  if (const Control* control = algebraic(place)) reads = control->reads();
+  std::erase(reads, place);
+  return reads;
+}
+
+const Control* FollowedSignals::algebraic(int place) const {
+  const auto& source = states_.sources()[place];
+  if (source.kind != Kind::control || !tree_.d.controls[source.element]->is_algebraic()) return nullptr;
+  return tree_.d.controls[source.element].get();
+}
+
+// `state` of each signal: 0 not seen yet, 1 on the way, 2 in the list.
+void FollowedSignals::order_by_reads(int place, std::vector<int>& state, std::vector<int>& list) const {
+  int& own = state[static_cast<std::size_t>(place)];
+  if (own == 2) return;
+  if (own == 1)
+    throw std::invalid_argument(
+        fmt::format("\"{}\" is an algebraic state that depends on itself through others, and is followed by "
+                    "a drive or a constraint, "
+                    "which may follow what one equation determines; put the equations into one",
+                    tree_.d.signals.names()[place]));
+  own = 1;
+  for (const int k : made_of(place)) order_by_reads(k, state, list);
+  own = 2;
+  list.push_back(place);
+}
+
 void FollowedSignals::list_places() {
-  std::vector<bool> in_positions(order_.size(), false);
+  std::vector<int> in_positions(order_.size(), 0), in_any = in_positions;
   for (const Follower& follower : followers_)
-    if (follower.what.level == DriveLevel::position)
-      for (const int place : follower.what.formula->reads())
-        in_positions[static_cast<std::size_t>(place)] = true;
-  const std::vector<int>& used = states_.used_signals();
-  for (std::size_t i = used.size(); i-- > 0;) {
-    const auto& source = states_.sources()[used[i]];
-    if (!in_positions[static_cast<std::size_t>(used[i])] || source.kind != Kind::measure) continue;
-    for (const int k : tree_.d.measures[source.element]->reads())
-      in_positions[static_cast<std::size_t>(k)] = true;
+    for (const int place : follower.what.formula->reads())
+      if (follower.what.level == DriveLevel::position) order_by_reads(place, in_positions, of_states_);
+  for (const int k : states_.used_signals())
+    if (order_[static_cast<std::size_t>(k)] >= 0) order_by_reads(k, in_any, places_);
+  // What a rate reads alone is there, but nothing of it need be known.
+  std::erase_if(places_, [&](int k) { return order_[static_cast<std::size_t>(k)] < 0; });
+  eliminates_ = std::ranges::any_of(places_, [&](int k) { return algebraic(k) != nullptr; });
+}
+
+// An algebraic state by Newton's method from the value that it has, which stays where there is no root.
+void FollowedSignals::evaluate_place(int place, const Motion& motion, Signals& signals) const {
+  const Control* control = algebraic(place);
+  if (!control) {
+    if (place > 0) states_.evaluate_signal(place, motion, signals);
+    return;
   }
-  for (const int k : used) {
-    if (order_[static_cast<std::size_t>(k)] >= 0) places_.push_back(k);
-    if (in_positions[static_cast<std::size_t>(k)]) of_states_.push_back(k);
+  const Expression& b = *control->equation();
+  const double start = states_.control_output(states_.sources()[place].element, motion, signals);
+  double& a = signals.values(place);
+  a = start;
+  constexpr int kMostSteps = 100;
+  double left = std::abs(b.evaluate(signals.values.data()));
+  for (int i = 0; i < kMostSteps && left > 0.0; ++i) {
+    const double from = a;
+    double step = -b.evaluate(signals.values.data()) / b.derivative(signals.values.data(), place),
+           next = left;
+    if (!std::isfinite(step) || std::abs(step) <= std::numeric_limits<double>::epsilon() * std::abs(from))
+      break;
+    // Halved where the whole step leads away; where none leads nearer all is done.
+    for (int half = 0; half < 40; ++half, step *= 0.5) {
+      a = from + step;
+      next = std::abs(b.evaluate(signals.values.data()));
+      if (next < left) break;
+    }
+    if (!(next < left)) {
+      a = from;
+      break;
+    }
+    left = next;
   }
+  const double per_unit = std::abs(b.derivative(signals.values.data(), place));
+  constexpr double kRoot = 1e-9;
+  if (!(left <= kRoot * per_unit * std::max(1.0, std::abs(a)))) a = start;
 }
 
 double FollowedSignals::rate_of_coordinate(CoordinateRef c, const Motion& motion) const {
@@ -220,6 +293,12 @@ void FollowedSignals::first_derivatives(bool all, Motion& motion, const Signals&
         break;
       case Kind::control: {
         const Control& control = *tree_.d.controls[source.element];
+        if (control.is_algebraic()) {
+          const Expression& b = *control.equation();
+          jet.first = -b.along(signals.values.data(), values.signals.data()).first /
+                      b.derivative(signals.values.data(), place);
+          break;
+        }
         const int first = states_.first_state_of_control(source.element);
         control.rates(signals.values.data(), motion.kin.c + first, values.c_rate.data() + first);
         along.set_states(values.c_rate.data() + first);
@@ -243,6 +322,12 @@ void FollowedSignals::second_derivatives(const Motion& motion, const Signals& si
     }
     if (source.kind != Kind::control) continue;
     const Control& control = *tree_.d.controls[source.element];
+    if (control.is_algebraic()) {
+      const Expression& b = *control.equation();
+      jet.second = -b.along(signals.values.data(), values.signals.data()).second /
+                   b.derivative(signals.values.data(), place);
+      continue;
+    }
     const int first = states_.first_state_of_control(source.element);
     AlongMotion along(motion, values);
     values.c_rate_2.segment(first, control.n_states()).setZero();
@@ -262,20 +347,25 @@ void FollowedSignals::evaluate(Level level, Motion& motion, Signals& signals, Ro
   FollowedValues& values = rows.followed;
   if (level == Level::position) {
     signals.values(0) = motion.kin.t;
-    for (const int k : of_states_) states_.evaluate_signal(k, motion, signals);
+    for (const int k : of_states_) evaluate_place(k, motion, signals);
   } else {
+    if (eliminates_) {
+      values.seen = signals.values;
+      for (const int k : places_) evaluate_place(k, motion, signals);
+    }
     first_derivatives(level == Level::acceleration, motion, signals, values);
     if (level == Level::acceleration) second_derivatives(motion, signals, values);
   }
   for (const Follower& follower : followers_) {
     const Expression& f = *follower.what.formula;
-    Jet& y = values.of_constraints[follower.constraint];
+    Jet& y = values.of_constraints[follower.place];
     const bool of_position = follower.what.level == DriveLevel::position;
     if (level == Level::acceleration || (level == Level::velocity && of_position))
       y = f.along(signals.values.data(), values.signals.data());
     else if (level == Level::velocity || of_position)
       y = {f.evaluate(signals.values.data()), 0.0, 0.0};
   }
+  if (eliminates_ && level != Level::position) signals.values = values.seen;
 }
 
 }  // namespace flexura::mbs

@@ -17,6 +17,10 @@
 /// y'' must not hold accelerations: what a control of a position reads in its rate is known with its own rate only where
 /// it is a coordinate, a measure of positions, time or another state.  y itself must not jump where it is a position; its
 /// rate may, at an event, like that of a drive by time.
+///
+/// An algebraic state a, 0 = b(a, x), is eliminated: rows see the root next to the state's own value, whatever that lacks, and
+///
+///     a' = - b_x x' / b_a,    a'' = - (b_x x'' + (x', a')^T b'' (x', a')) / b_a
 namespace flexura::mbs {
 
 class FollowedSignals {
@@ -34,6 +38,7 @@ class FollowedSignals {
 
   struct Follower {
     std::size_t constraint;  ///< among all
+    std::size_t place;       ///< in FollowedValues::of_constraints
     Following what;
   };
   const std::vector<Follower>& followers() const { return followers_; }
@@ -53,7 +58,12 @@ class FollowedSignals {
   std::optional<Unknown> find_unknown(int place, int order) const;
   std::optional<Unknown> find_dependent(int place) const;
   void need(int place, int order);
+  /// What a signal is made of at once: of a measure and an algebraic state all others that it reads.
+  std::vector<int> made_of(int place) const;
   void list_places();
+  void order_by_reads(int place, std::vector<int>& state, std::vector<int>& list) const;
+  const Control* algebraic(int place) const;
+  void evaluate_place(int place, const Motion& motion, Signals& signals) const;
   double rate_of_coordinate(CoordinateRef c, const Motion& motion) const;
   void first_derivatives(bool all, Motion& motion, const Signals& signals, FollowedValues& values) const;
   void second_derivatives(const Motion& motion, const Signals& signals, FollowedValues& values) const;
@@ -64,6 +74,7 @@ class FollowedSignals {
   std::vector<int> order_;  ///< of each signal: the derivatives that are needed of it, -1: not even its value
   std::vector<int> places_;     ///< signals with an order of 0 at least, in the order of their evaluation
   std::vector<int> of_states_;  ///< those that positions follow: known from c and t alone
+  bool eliminates_ = false;     ///< algebraic states
 };
 
 }  // namespace flexura::mbs

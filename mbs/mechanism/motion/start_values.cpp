@@ -3,6 +3,12 @@
 
 namespace flexura::mbs {
 
+void put_rotation(const DrivenRotation& wanted, const JointPlace& place, Eigen::VectorXd& p,
+                  Eigen::VectorXd& v) {
+  p.segment<4>(place.i_p) = quaternion_of_rotation(wanted.R);
+  v.segment<3>(place.i_v) = wanted.w;
+}
+
 void StartValues::stand_at(int b, const Pose& X_WB, const Motion& motion) {
   const TreeBody& body = tree_.bodies[b];
   const JointPlace& place = tree_.places[body.joint];
@@ -35,11 +41,13 @@ StartValues::StartValues(const Topology& tree, const TreeMotion& kinematics, con
     for (const auto& [index, motion] : joint.drives) {
       if (!motion->reads().empty()) continue;  // of states: Mechanism::initial_state
       const Jet f = motion->time_derivatives(0.0);
-      p[place.i_p + index] = f.value;
+      p[place.i_p + joint.coordinate_of_speed(index)] = f.value;
       v[place.i_v + index] = f.first;
     }
     for (const auto& [index, motion] : joint.speed_drives)
       if (motion->reads().empty()) v[place.i_v + index] = motion->evaluate(&t_0);
+    if (joint.rotation_drive && !joint.rotation_drive->follows())
+      put_rotation(joint.rotation_drive->at_time(0.0), place, p, v);
     for (const auto& [index, value] : joint.initial_coordinates) {
       p[place.i_p + index] = value;
       given_p[place.i_p + index] = true;
@@ -65,11 +73,13 @@ void StartValues::drive_at(double t, Eigen::VectorXd& at_p, Eigen::VectorXd& at_
     for (const auto& [index, motion] : joint.drives) {
       if (!motion->reads().empty()) continue;
       const Jet f = motion->time_derivatives(t);
-      put(at_p, given_p, place.i_p + index, f.value);
+      put(at_p, given_p, place.i_p + joint.coordinate_of_speed(index), f.value);
       put(at_v, given_v, place.i_v + index, f.first);
     }
     for (const auto& [index, motion] : joint.speed_drives)
       if (motion->reads().empty()) put(at_v, given_v, place.i_v + index, motion->evaluate(&t));
+    if (joint.rotation_drive && !joint.rotation_drive->follows())
+      put_rotation(joint.rotation_drive->at_time(t), place, at_p, at_v);
   }
 }
 

@@ -8,6 +8,10 @@
 
 namespace flexura::mbs {
 
+/// Puts the rotation of a joint in the tree, a quaternion, where its drive wants it, and its speed.
+void put_rotation(const DrivenRotation& wanted, const JointPlace& place, Eigen::VectorXd& p,
+                  Eigen::VectorXd& v);
+
 /// Positions and velocities as a description gives them: a guess, to be assembled.
 class StartValues {
  public:

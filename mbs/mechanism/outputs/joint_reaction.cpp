@@ -32,8 +32,7 @@ double value_of_multipliers(const Topology& tree, const ConstraintRows& rows_of,
       return measure.value_of_load(motion.kin, load.data());
     }
     case Exerted::By::drive: {
-      const int drive = rows_of.drive_of({exerted.element, exerted.coordinate});
-      const double load = -rows.x(rows_of.first_row(static_cast<std::size_t>(drive)));
+      const double load = -rows.x(rows_of.drive_of({exerted.element, exerted.coordinate}));
       return measure.value_of_load(motion.kin, &load);
     }
     case Exerted::By::constraint: {

@@ -64,7 +64,7 @@ Vector6d Quantities::joint_reaction(int joint, const Motion& motion, const Wrenc
 
 double Quantities::drive_force(int joint, int coordinate, const RowValues& rows) const {
   const int drive = rows_.drive_of({joint, coordinate});
-  return drive < 0 ? 0.0 : -rows.x(rows_.first_row(static_cast<std::size_t>(drive)));
+  return drive < 0 ? 0.0 : -rows.x(drive);
 }
 
 void Quantities::evaluate(const std::vector<int>& which, const Instant& at, VectorRef values) const {

@@ -110,7 +110,7 @@ std::vector<Quantity> list_quantities(const Topology& tree, const ConstraintRows
           K::acceleration, k, static_cast<int>(i));
     if (joint.joint->n_rows() > 0) add_outputs(joint.name, wrench_outputs(true, true), K::reaction, k);
     for (const int index : joint.driven()) {
-      const bool is_angle = coordinates[index].dimension == dim::angle;
+      const bool is_angle = speeds[index].dimension == dim::angular_velocity;
       add(joint.name + "." + joint.drive_force_name(index), is_angle ? dim::torque : dim::force,
           "force or torque of the drive along the coordinate", K::drive, k, index, true);
     }

@@ -249,9 +249,20 @@ void ElementTangents::by_speed(CoordinateRef c, const Matrix& d) {
 }
 
 void ElementTangents::by_signal(int signal, const Matrix& d) {
-  const Vector6d change = six(d.col(0));
-  for (Eigen::Index j = 0; j < e_.signals.cols(); ++j)
-    if (const double by = e_.signals(signal, j); by != 0.0) add_column(static_cast<int>(j), by * change);
+  add_signal(signal, six(d.col(0)));
+}
+
+void ElementTangents::add_signal(int signal, const Vector6d& change) {
+  const Eigen::Index of_algebraic = 2 * tree_.n_v + tree_.n_dyn;
+  const auto n_eliminated = static_cast<Eigen::Index>(eliminates_ ? states_.algebraic().size() : 0);
+  for (Eigen::Index j = 0; j < e_.signals.cols(); ++j) {
+    const double by = e_.signals(signal, j);
+    if (by == 0.0) continue;
+    if (j >= of_algebraic && j < of_algebraic + n_eliminated)
+      by_eliminated(static_cast<int>(j - of_algebraic), by * change);
+    else
+      add_column(static_cast<int>(j), by * change);
+  }
 }
 
 void ElementTangents::by_deformation(int body, int i, const Vector6d& d) {
@@ -376,7 +387,9 @@ void ElementTangents::all_elements() {
     rows_of_.own_contact(k, at_.motion, at_.rows);
     first_row_ = rows_of_.first_row(k);
     n_rows_ = constraint.n_rows();
+    eliminates_ = constraint.n_followed() > 0;
     constraint.differentiate(at_.motion.kin, at_.rows.x.data() + first_row_, *this);
+    eliminates_ = false;
   }
 }
 

@@ -90,12 +90,15 @@ class ElementTangents final : public Derivatives, public DeformationDerivatives 
   void followed_rows(const FollowedSignals& followed, const FollowedSignals::Follower& follower);
   void add_followed_rows(const double* by);
   void rate_of_signal(const FollowedSignals& followed, int place, double weight);
+  void rate_of_formula(const FollowedSignals& followed, const Expression& f, double weight, int own);
+  void by_eliminated(int algebraic, const Vector6d& change);
 
   void turn_load(const MarkerReach* reaction, const Matrix3d& R, const Vector6d& wrench);
   void see(int marker_F, int marker_M);
   void start(Target target);
   void add_row(int row, const Vector6d& by);
   void add_column(int column, const Vector6d& change);
+  void add_signal(int signal, const Vector6d& change);
   void add(int row, int column, double value);
   Vector6d six(const Eigen::Ref<const Eigen::VectorXd>& d) const;
   bool skips(int j) const;
@@ -116,6 +119,7 @@ class ElementTangents final : public Derivatives, public DeformationDerivatives 
   const Eigen::VectorXd* rate_weights_ = nullptr;
   double rate_weight_ = 1.0;
   const double* followed_by_ = nullptr;
+  bool eliminates_ = false;  ///< algebraic states are functions of what their equations read
   bool is_lifted_ = false;
   Vector6d lift_ = Vector6d::Zero();
 };

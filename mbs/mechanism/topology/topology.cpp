@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <set>
 #include <stdexcept>
 
 namespace flexura::mbs {
@@ -53,8 +54,8 @@ void Topology::grow_tree() {
   reached[0] = true;
   std::vector<int> queue{0};
 
-  // Breadth first in the order of the file, except that a driven or coupled joint is taken as soon as one of
-  // its bodies is reached, since its coordinate must be a state, then one whose coordinate the user set or that
+  // Breadth first in the order of the file, except that a driven or coupled joint (or connection) is taken as soon as one
+  // of its bodies is reached, since the coordinate of a state counts turns, then one whose coordinate the user set or that
   // must not be cut, then one along which forces act: angles of joints that close loops are known within +-pi only.
   enum Priority { ordinary, loaded, set, wanted };
   std::vector<Priority> priority(d.joints.size(), ordinary);
@@ -69,7 +70,8 @@ void Topology::grow_tree() {
   const auto next_joint = [&](Priority level, int body) {
     for (std::size_t j = 0; j < d.joints.size(); ++j) {
       const JointDescription& joint = d.joints[j];
-      if (used[j] || joint.cut || joint.is_connection || priority[j] != level) continue;
+      if (used[j] || joint.cut || priority[j] != level) continue;
+      if (joint.is_connection && level != wanted) continue;
       const int f = d.markers[joint.marker_F].body, m = d.markers[joint.marker_M].body;
       if (reached[f] == reached[m]) continue;
       if (body >= 0 && f != body && m != body) continue;
@@ -127,34 +129,24 @@ void Topology::grow_tree() {
     take(j);
     sweep();
   }
-  // The joints of the tree between the two bodies of another one.
-  const auto loop_of = [&](int j) {
+  // What drives or couples a joint that closes a loop acts on the coordinate that its frames have, of which angles do not
+  // count turns: one of them is taken for the turn that fits, two would fit at more than one.
+  for (const auto& constraint : d.constraints) {
+    std::set<int> without_turns;
+    for (const CoordinateRef& c : constraint->coordinates())
+      if (!used[c.joint] && d.joints[c.joint].joint->coordinates()[c.index].dimension == input::dim::angle)
+        without_turns.insert(c.joint);
+    if (without_turns.size() < 2) continue;
     std::vector<std::string> names;
-    std::vector<bool> is_on_way(n_bodies, false);
-    int f = d.markers[d.joints[j].marker_F].body, m = d.markers[d.joints[j].marker_M].body;
-    for (int b = f; b >= 0; b = b == 0 ? -1 : bodies[b].parent) is_on_way[b] = true;
-    for (; !is_on_way[m]; m = bodies[m].parent) names.push_back("\"" + d.joints[bodies[m].joint].name + "\"");
-    for (; f != m; f = bodies[f].parent) names.push_back("\"" + d.joints[bodies[f].joint].name + "\"");
-    return fmt::format("{}", fmt::join(names, ", "));
-  };
-  // A driven joint that closes a loop of driven ones repeats what these say or contradicts them, and is told so when
-  // the loops close; couplings count turns, which no closure does.
-  std::vector<bool> coupled(d.joints.size(), false);
-  for (const auto& constraint : d.constraints)
-    for (const CoordinateRef& c : constraint->coordinates()) coupled[c.joint] = true;
-  for (std::size_t j = 0; j < d.joints.size(); ++j)
-    if (!used[j] && coupled[j])
-      throw std::invalid_argument(
-          d.joints[j].cut
-              ? fmt::format("joint \"{}\" is coupled but closes a loop; take away its cut = true and cut "
-                            "another joint of the loop",
-                            d.joints[j].name)
-              : fmt::format(
-                    "joint \"{}\" is coupled but closes a loop of joints that are all coupled or driven "
-                    "({}): "
-                    "where one of them is prescribed by the others its coupling can only say the same or "
-                    "contradict them; take away one of the couplings or drives",
-                    d.joints[j].name, loop_of(static_cast<int>(j))));
+    for (const int j : without_turns) names.push_back("\"" + d.joints[j].name + "\"");
+    throw std::invalid_argument(
+        fmt::format("constraint \"{}\" couples the angles of {}, joints that close loops, whose frames do "
+                    "not tell whole turns; of at "
+                    "most one joint that may be so: close the loops at other joints (cut = true there), or "
+                    "take away drives and "
+                    "couplings of theirs",
+                    constraint->name(), fmt::join(names, " and ")));
+  }
 
   for (std::size_t j = 0; j < d.joints.size(); ++j) {
     const JointDescription& joint = d.joints[j];

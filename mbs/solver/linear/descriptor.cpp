@@ -62,14 +62,13 @@ DescriptorSystem linearise_as_descriptor(const Equations& eq, const State& given
     }
   }
 
-  const int n_f = static_cast<int>(options.inputs.size()),
+  const int n_f = static_cast<int>(options.inputs.size() + options.along.size()),
             n_u = n_f + static_cast<int>(options.signals.size());
   out.B.setZero(n_x, n_u);
   out.u_0.setZero(n_u);
-  for (int k = 0; k < n_f; ++k) {
-    out.B(n_v + options.inputs[k], k) = 1.0;
-    out.inputs.push_back("force on " + eq.name_of_velocity(options.inputs[k]));
-  }
+  out.B.block(n_v, 0, n_v, n_f) = forces_of_inputs(options, n_v);
+  for (const int k : options.inputs) out.inputs.push_back("force on " + eq.name_of_velocity(k));
+  for (const ForceAlong& force : options.along) out.inputs.push_back("force on " + force.name);
   for (int k = 0; k < n_u - n_f; ++k) {
     const int input = options.signals[static_cast<std::size_t>(k)];
     out.inputs.push_back(eq.name_of_input(input));

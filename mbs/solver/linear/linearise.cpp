@@ -73,7 +73,7 @@ class Lineariser {
   Index n_c() const { return static_cast<Index>(dynamic_.size()); }
   Index n_x() const { return n_z() + n_w() + n_c(); }
   Index n_s() const { return static_cast<Index>(options_.signals.size()); }
-  Index n_f() const { return static_cast<Index>(options_.inputs.size()); }
+  Index n_f() const { return static_cast<Index>(options_.inputs.size() + options_.along.size()); }
   Index at_u(int order) const { return n_x() + n_.n_alg + order * n_s(); }
   Index at_forces() const { return at_u(3); }
 
@@ -88,6 +88,19 @@ class Lineariser {
   MatrixXd N_, Y_;    ///< dv = N w - Y (...)
   Columns of_;
 };
+
+}  // namespace
+
+MatrixXd forces_of_inputs(const LineariseOptions& options, Eigen::Index n_v) {
+  const std::size_t n = options.inputs.size();
+  MatrixXd forces = MatrixXd::Zero(n_v, static_cast<Eigen::Index>(n + options.along.size()));
+  for (std::size_t k = 0; k < n; ++k) forces(options.inputs[k], static_cast<Eigen::Index>(k)) = 1.0;
+  for (std::size_t k = 0; k < options.along.size(); ++k)
+    forces.col(static_cast<Eigen::Index>(n + k)) = options.along[k].on_rows;
+  return forces;
+}
+
+namespace {
 
 void Lineariser::choose_coordinates() {
   IndependentCoordinates w = independent_coordinates(d_.t.M, d_.t.G);
@@ -142,8 +155,7 @@ void Lineariser::accelerations() {
   direct.middleCols(n_z() + n_w(), n_c()) = d.t.z_c(Eigen::all, dynamic_);
   direct.middleCols(n_x(), n_.n_alg) = d.t.z_a;
   direct.middleCols(at_u(0), n_s()) = d.z_u;
-  for (Index k = 0; k < n_f(); ++k)
-    direct(options_.inputs[static_cast<std::size_t>(k)], at_forces() + k) = -1.0;
+  direct.block(0, at_forces(), n_v, n_f()) = -forces_of_inputs(options_, n_v);
   gamma.middleCols(n_z() + n_w(), n_c()) = d.a_c(Eigen::all, dynamic_);
   gamma.middleCols(n_x(), n_.n_alg) = d.a_a;
   for (int order = 0; order < 3; ++order) gamma.middleCols(at_u(order), n_s()) = d.a_u[order];
@@ -204,6 +216,7 @@ void Lineariser::set_names(LinearSystem& out) const {
   }
   out.u_0.setZero(n_f() + n_s());
   for (const int k : options_.inputs) out.inputs.push_back("force on " + eq_.name_of_velocity(k));
+  for (const ForceAlong& force : options_.along) out.inputs.push_back("force on " + force.name);
   for (Index k = 0; k < n_s(); ++k) {
     const int input = options_.signals[static_cast<std::size_t>(k)];
     out.inputs.push_back(eq_.name_of_input(input));

@@ -59,9 +59,16 @@ LinearSystem in_turning_axes(LinearSystem system, const Eigen::MatrixXd& W);
 /// Without the positions beyond the integrals of w that neither a rate nor an output reads.
 LinearSystem without_unread(LinearSystem system);
 
+/// A generalised force on a coordinate that is no state, that of a joint that closes a loop.
+struct ForceAlong {
+  std::string name;         ///< of the speed whose power it has
+  Eigen::VectorXd on_rows;  ///< what a unit force puts on the velocity coordinates (n_v)
+};
+
 struct LineariseOptions {
   /// Generalised forces on these velocity coordinates are the inputs u.
   std::vector<int> inputs;
+  std::vector<ForceAlong> along;  ///< then these
   /// Then the mechanism's own inputs with these indices (Equations::n_inputs).
   std::vector<int> signals;
   /// Outputs y of a state with its accelerations, and their names.
@@ -69,6 +76,9 @@ struct LineariseOptions {
   std::function<Eigen::VectorXd(const State&, const Eigen::VectorXd& v_dot)> outputs;
   bool all_positions = false;  ///< also those that without_unread() leaves out
 };
+
+/// What unit inputs `inputs`, then `along` put on the velocity coordinates (n_v rows).
+Eigen::MatrixXd forces_of_inputs(const LineariseOptions& options, Eigen::Index n_v);
 
 /// `s` must be consistent (assembled).  Throws std::runtime_error.
 LinearSystem linearise(const Equations& eq, const State& s, const LineariseOptions& options = {});

@@ -64,7 +64,10 @@ Place place_of(const Mechanism& mechanism, int i) {
   const JointDescription& joint = d.joints[row.joint];
   place.name = joint.name;
   if (row.driven >= 0) {
-    place.dimension = joint.joint->coordinates()[row.driven].dimension;
+    place.dimension =
+        joint.joint->speeds()[row.driven].dimension == input::dim::angular_velocity ? input::dim::angle
+        : joint.joint->speeds()[row.driven].dimension == input::dim::velocity       ? input::dim::length
+                                                                                    : input::dim::none;
   } else {
     place.marker_F = joint.marker_F, place.marker_M = joint.marker_M;
     place.dimension =
