@@ -25,7 +25,7 @@ constexpr Index kRows = 21;
 
 // The inputs' parts of a motion [m, rad]: the odd part of two runs lacks kMotion^2 of itself, times what the third derivatives of the
 // mechanism are in its units.
-constexpr double kMotion = 1e-3, kPart = 1e-4;
+constexpr double kMotion = 3e-4, kPart = 1e-4;
 
 // What a run leaves of motions; what vibrates at 16 Hz makes of it 1e4 times as much acceleration, and load on 1 kg.
 constexpr double kTolerance = 1e-10, kFloor = 10.0 * kTolerance, kOfRates = 1e4;

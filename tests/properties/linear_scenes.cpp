@@ -15,9 +15,22 @@ std::string SceneMaker::input() {
 
 std::string SceneMaker::followed() {
   const std::string u = input(), name = fmt::format("c{}", ++n_controls_);
-  switch (chance_.below(5)) {
+  switch (chance_.below(7)) {
     case 0:
       return u;
+    case 5:
+      text_ += fmt::format(
+          "[control.{0}]\ntype = \"algebraic\"\nequation = \"{0} + 0.4*{0}^3 + 0.3*sin({0}) - {1}\"\n", name,
+          u);
+      return name;
+    case 6:
+      text_ += fmt::format(
+          "[control.{0}]\ntype = \"filter\"\ninput = \"{1}\"\ntime_constant = {2}\n[measure.of_{0}]\ntype = "
+          "\"expression\"\nvalue = \"{0} + {0}^2 + 0.3*{1}\"\n[control.al_{0}]\ntype = "
+          "\"algebraic\"\nequation = "
+          "\"al_{0}*(2 + al_{0}) - of_{0}\"\n",
+          name, u, number(0.05, 0.5));
+      return "al_" + name;
     case 1:
       return fmt::format("sin({} + 0.3) - {:.17g}", u, std::sin(0.3));
     case 2:
@@ -133,6 +146,13 @@ void SceneMaker::cranks(double width, double crank, double rocker, double tilt,
 
 void SceneMaker::coupler(const std::string& a, const std::string& b) {
   const std::string offset = followed();
+  if (chance_.flip(0.5)) {
+    text_ += fmt::format(
+        "[constraint.k]\ntype = \"expression\"\nvalue = \"{0}.angle + {2}*sin({1}.angle)*(1 + 0.5*({3})) - "
+        "({3})\"\n",
+        a, b, chance_.either_sign(0.3, 2.0), offset);
+    return;
+  }
   text_ += fmt::format(
       "[constraint.k]\ntype = \"coupler\"\njoints = [\"{}\", \"{}\"]\nfactors = [1, {}]\noffset = "
       "\"{}\"\n",

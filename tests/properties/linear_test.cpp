@@ -19,6 +19,7 @@ class RigidMaker : public SceneMaker {
   Scene rotor();
   Scene disc();
   Scene four_bar();
+  Scene gimbal();
 };
 
 // A cart with a chain of pendulums that hangs or stands, both of which are equilibria.
@@ -125,16 +126,41 @@ Scene RigidMaker::four_bar() {
   return done();
 }
 
+// A pendulum on a body that turns as angles or a rotation vector say.
+Scene RigidMaker::gimbal() {
+  head_ = fmt::format("gravity = [0, 0, {}]\n", number(-9.81, 9.81));
+  text_ = "[ground.marker.o]\n[body.b0]\nmass = 1\ninertia = [0.1, 0.2, 0.3]\n[body.b0.marker.o]\n";
+  marker("body.b0", "p", number(0.0, 0.3), "[0, 1, 0]");
+  body("b1", number(0.3, 1.0));
+  marker("body.b1", "o", 0.0, "[0, 1, 0]");
+  joint("r1", "revolute", "b0.p", "b1.o");
+  static constexpr const char* kSequences[] = {"xyz", "yzx", "zyx"};
+  const bool by_angles = chance_.flip(0.6);
+  std::string keys = by_angles ? fmt::format("drive_sequence = \"{}\"\n", chance_.one_of(kSequences)) : "";
+  for (int i = 0; i < 3; ++i)
+    if (i == 1 || chance_.flip(0.5))
+      keys += by_angles ? fmt::format("drive_angle_{} = \"{}\"\n", i + 1, followed())
+                        : fmt::format("drive_rotation_{} = \"{}\"\n", "xyz"[i], followed());
+  joint("h", "spherical", "ground.o", "b0.o", keys);
+  if (chance_.flip(0.6)) joint_force("t", "r1", feedback("r1.angle", "r1.speed"));
+  motion("r1.angle");
+  further("h.omega_y");
+  place("b1.o", "[1, 0, 0]");
+  load("h", "[1, 0, 0]");
+  return done();
+}
+
 TEST(Linear, SystemsPredictTheRunsOfRigidMechanisms) {
   const test::Folder folder;
   int n_growing = 0;
-  for (int seed = 1; seed <= 150; ++seed) {
+  for (int seed = 1; seed <= 200; ++seed) {
     Chance chance(static_cast<std::uint64_t>(seed));
     RigidMaker maker(chance);
-    const int kind = chance.below(12);
+    const int kind = chance.below(14);
     const Scene scene = kind < 7    ? maker.chain()
                         : kind < 9  ? maker.rotor()
                         : kind < 10 ? maker.disc()
+                        : kind < 12 ? maker.gimbal()
                                     : maker.four_bar();
     SCOPED_TRACE(fmt::format("seed {}\n{}{}", seed, scene.head, scene.text));
     n_growing += expect_predicted(scene, chance, folder) ? 1 : 0;

@@ -115,6 +115,7 @@ TEST(RotationDrives, TurnAsWantedAndTakeTheTorqueOfTheAngularMomentum) {
       names.push_back(fmt::format("j.{}", axis));
       names.push_back(fmt::format("j.drive_force_{}", axis));
     }
+    names.push_back("power.input");
     const mbs::cases::Series run = mbs::cases::simulate(p, names);
     ASSERT_EQ(run.t.size(), 5u);
     for (std::size_t k = 0; k < run.t.size(); ++k) {
@@ -138,11 +139,14 @@ TEST(RotationDrives, TurnAsWantedAndTakeTheTorqueOfTheAngularMomentum) {
       EXPECT_LT((row.segment<3>(3) - alpha).cwiseAbs().maxCoeff(), 1e-6) << t;
       EXPECT_LT((row.segment<3>(6) - torque).cwiseAbs().maxCoeff(), 1e-6) << t;
       Eigen::Index at = 13;
+      double power = torque.dot(w);
       for (const char axis : slides) {
         const Swing& s = places[static_cast<std::size_t>(axis - 'x')];
         EXPECT_NEAR(row(at++), s.at(t), 1e-8) << t << axis;
         EXPECT_NEAR(row(at++), -m * s.b * s.c * s.c * std::sin(s.c * t + s.d), 1e-6) << t << axis;
+        power -= m * s.b * s.b * s.c * s.c * s.c * std::sin(s.c * t + s.d) * std::cos(s.c * t + s.d);
       }
+      EXPECT_NEAR(row(at), power, 3e-6) << t;
     }
     if (HasFailure()) return;
   }
