@@ -18,6 +18,7 @@ void scale_to_si(ImportedModel& model, double length, double mass, double time) 
     material.E *= stress, material.G *= stress;
     material.rho *= mass / (area * length);
     for (const int k : {0, 1, 2, 6, 7, 8}) material.engineering[k] *= stress;  // 3 to 5 are Poisson's ratios
+    material.alpha /= time, material.beta *= time;
     for (ImportedPly& ply : material.plies) ply.thickness *= length;
   }
   for (ImportedMass& point : model.masses) {
@@ -27,7 +28,11 @@ void scale_to_si(ImportedModel& model, double length, double mass, double time) 
   }
   for (ImportedSpring& spring : model.springs) {
     if (spring.at) *spring.at *= length;
-    for (std::size_t k = 0; k < 6; ++k) spring.stiffness[k] *= (k < 3 ? mass : mass * area) / (time * time);
+    for (std::size_t k = 0; k < 6; ++k) {
+      const double size = k < 3 ? mass : mass * area;
+      spring.stiffness[k] *= size / (time * time);
+      spring.damping[k] *= size / time;
+    }
   }
   for (ImportedEquation& equation : model.equations)  // of displacements in lengths and of angles
     for (ImportedEquation::Term& term : equation.terms) term.row.tail<3>() *= length;

@@ -26,6 +26,7 @@ struct ImportedMaterial {
   Eigen::Matrix<double, 9, 1> engineering =
       Eigen::Matrix<double, 9, 1>::Zero();          ///< E1 E2 E3 nu12 nu13 nu23 G12 G13 G23
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< columns: the axes 1, 2, 3 of an orthotropic one
+  double alpha = 0, beta = 0, loss = 0;  ///< damping: alpha M + beta K, and the loss factor of its stiffness
   /// Unlike layers of a shell, from the side against its normal, instead of all constants; R: the axes of the section.
   std::vector<ImportedPly> plies = {};
 };
@@ -72,12 +73,15 @@ struct ImportedBar {
       released{};  ///< at each end: u, v, w and rotations in the element's axes
 };
 
-/// Springs between two nodes (CBUSH, CELAS, SPRINGA, SPRING2), six of them along and about axes at a place between them.
+/// Springs and dampers between two nodes (CBUSH, CELAS, SPRINGA, SPRING2; CDAMP, CVISC, DASHPOTA, DASHPOT2), six of them along
+/// and about axes at a place between them.
 struct ImportedSpring {
   std::int64_t label = 0;
   std::array<Index, 2> nodes{-1, -1};
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< columns: the axes
   std::array<double, 6> stiffness{};                ///< of displacements, then rotations
+  std::array<double, 6> damping{};                  ///< the same, times a time
+  double loss = 0;                                  ///< loss factor of the stiffness
   double place = 0.5;                               ///< of the springs between the nodes, from the first
   std::optional<Eigen::Vector3d> at = {};           ///< of the springs, where they stand off that line
 };

@@ -25,6 +25,7 @@ void put_cells(Message& message, const Part& part, const std::vector<int>& part_
   for (const Material& material : part.materials) {
     message.put_array(material.D.data(), static_cast<std::size_t>(material.D.size()));
     message.put(material.density);
+    message.put(material.damping);
   }
   message.put(part.mesh.solids.size());
   std::size_t number = 0;
@@ -61,6 +62,7 @@ Part take_cells(Message& message) {
   for (Material& material : part.materials) {
     message.take_array(material.D.data(), static_cast<std::size_t>(material.D.size()));
     material.density = message.take<double>();
+    material.damping = message.take<MaterialDamping>();
   }
   part.mesh.solids.resize(message.take<std::size_t>());
   for (mesh::CellBlock& block : part.mesh.solids) {

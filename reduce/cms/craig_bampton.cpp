@@ -339,7 +339,8 @@ class ReductionStages {
   void recover() {
     if (const PartShare* share = model_.share()) share->team->meet();
     stage_.next("Projection");
-    project_loads(here_, model_, T_, options_, reduction_);
+    project_loads(model_, T_, options_, reduction_);
+    project_damping(here_, model_, basis_, T_, reduction_);
     if (!wants_stress_) return;
     reduction_.stress_modes = stress_modes(whole_, part_, model_, basis_, T_, options_);
     if (!model_.share()) reduction_.stress_of_loads = stress_of_preloads(part_, options_);

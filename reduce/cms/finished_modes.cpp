@@ -5,12 +5,14 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <numeric>
 #include <stdexcept>
 
 #include "reduce/assembly/input/average.hpp"
 #include "reduce/assembly/input/rigid_motion.hpp"
+#include "reduce/cms/dampers.hpp"
 #include "reduce/cms/shapes/free_directions.hpp"
 #include "reduce/cms/shapes/shape_change.hpp"
 #include "reduce/linalg/dense/dense.hpp"
@@ -100,6 +102,17 @@ void check_stiffness(const MatrixXd& K_W, const MatrixXd& M_W, const CanonicalSh
   }
 }
 
+// V^T D V less what resists rigid motion, where the vectors span it: R = V C.  Free modes do not, and are orthogonal to it.
+MatrixXd elastic_damping(const MatrixXd& D, const MatrixXd& M_W, ReductionReport& report) {
+  const Index n_v = D.rows();
+  const MatrixXd M = M_W.bottomRightCorner(n_v, n_v), M_R = M_W.bottomLeftCorner(n_v, 6);
+  const MatrixXd C = M.completeOrthogonalDecomposition().solve(M_R);
+  const MatrixXd rest = M_W.topLeftCorner(6, 6) - C.transpose() * M_R;
+  for (Index k = 0; k < 6; ++k)
+    if (!(std::abs(rest(k, k)) <= kPrinted * kPrinted * M_W(k, k))) return D;
+  return without_rigid_damping(D, C, M, report);
+}
+
 }  // namespace
 
 Reduction reduce_finished_modes(const Part& part, const FinishedModes& modes,
@@ -110,7 +123,7 @@ Reduction reduce_finished_modes(const Part& part, const FinishedModes& modes,
     throw std::invalid_argument(
         fmt::format("the vectors have {} rows, {} are wanted: three for each of the {} nodes", modes.V.rows(),
                     3 * n_nodes, n_nodes));
-  for (const MatrixXd* matrix : {&modes.K, &modes.M})
+  for (const MatrixXd* matrix : {&modes.K, &modes.M, &modes.D})
     if (matrix->size() > 0 && (matrix->rows() != n_v || matrix->cols() != n_v))
       throw std::invalid_argument(
           fmt::format("a reduced matrix of the {} vectors is {} x {}", n_v, matrix->rows(), matrix->cols()));
@@ -187,6 +200,12 @@ Reduction reduce_finished_modes(const Part& part, const FinishedModes& modes,
     for (std::size_t s = 0; s < options.stress_nodes.size(); ++s)
       r.stress_modes.block(6 * static_cast<Index>(s), 6, 6, n_v) =
           modes.stress.middleRows<6>(6 * static_cast<Index>(options.stress_nodes[s]));
+  }
+
+  if (modes.D.size() > 0) {
+    r.D_se = MatrixXd::Zero(6 + n_v, 6 + n_v);
+    r.D_se.bottomRightCorner(n_v, n_v) =
+        elastic_damping(0.5 * (modes.D + modes.D.transpose()), r.M_se, r.report);
   }
 
   const CanonicalShapes shapes = canonical_shapes(r.K_se, r.M_se, B);

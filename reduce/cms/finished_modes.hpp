@@ -20,6 +20,7 @@ struct FinishedModes {
   Eigen::MatrixXd V;  ///< 3 n_nodes x m [m per unit]
   Eigen::MatrixXd K;  ///< m x m, V^T K V
   Eigen::MatrixXd M;  ///< m x m, V^T M V as the other program has it, for comparison; or empty
+  Eigen::MatrixXd D;  ///< m x m, V^T D V; or empty
   Eigen::MatrixXd
       stress;  ///< 6 n_nodes x m, rows xx, yy, zz, xy, yz, zx of each node [Pa per unit]; or empty
 };

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "reduce/assembly/input/average.hpp"
+#include "reduce/cms/dampers.hpp"
 #include "reduce/cms/shapes/free_directions.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 #include "reduce/recovery/part_near.hpp"
@@ -16,19 +17,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 namespace {
-
-// T^T D T of the dampers; empty where there are none.
-MatrixXd damper_matrix(const Part& part, const TiedModel& model, const MatrixXd& T) {
-  MatrixXd D;
-  for (const Link& link : part.links) {
-    if (link.damping == 0.0) continue;
-    if (D.size() == 0) D.setZero(T.cols(), T.cols());
-    const MatrixXd rate =
-        T.middleRows<3>(3 * static_cast<Index>(link.to)) - T.middleRows<3>(3 * static_cast<Index>(link.from));
-    D += link.damping * rate.transpose() * direction_projector(model.numbering(), link) * rate;
-  }
-  return 0.5 * (D + D.transpose());
-}
 
 // Each rank's are those of its elements.
 void sum_up(const TiedModel& model, InertiaIntegrals& s) {
@@ -115,15 +103,14 @@ void project(const Part& whole, const Part& part, const TiedModel& model, const 
   }
 }
 
-void project_loads(const Part& part, const TiedModel& model, const MatrixXd& T,
-                   const ReductionOptions& options, Reduction& reduction) {
+void project_loads(const TiedModel& model, const MatrixXd& T, const ReductionOptions& options,
+                   Reduction& reduction) {
   for (const LoadField& load : options.loads) {
     ReducedLoad reduced = reduced_load(load, T, model.m());
     reduced.p_se = model.sum(reduced.p_se);
     reduced.moment = model.sum(reduced.moment);
     reduction.loads.push_back(std::move(reduced));
   }
-  reduction.D_se = damper_matrix(part, model, T);  // rank 0 has the dampers
 }
 
 namespace {
@@ -145,6 +132,19 @@ MatrixXd stress_of(const Part& part, const TiedModel& model, const MatrixXd& u_i
 }
 
 }  // namespace
+
+void project_damping(const Part& part, const TiedModel& model, const Basis& basis, const MatrixXd& T,
+                     Reduction& reduction) {
+  MatrixXd rotations;
+  if (model.numbering().n_rotations() > 0) {  // no interface modes then, and no team
+    MatrixXd boundary = MatrixXd::Zero(model.n_b(), T.cols());
+    boundary.leftCols(model.n_b()).setIdentity();
+    MatrixXd interior(model.n_i(), T.cols());
+    interior << basis.U_b, basis.Phi;
+    rotations = model.motions().expand_rotations(interior, boundary);
+  }
+  reduction.D_se = damping_matrix(part, model, T, rotations, reduction);
+}
 
 MatrixXd stress_modes(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis,
                       const MatrixXd& T, const ReductionOptions& options) {

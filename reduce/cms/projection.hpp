@@ -21,9 +21,13 @@ void project(const Part& whole, const Part& part, const TiedModel& model, const 
              const InterfaceModes& faces, const Eigen::MatrixXd& T, const ReductionOptions& options,
              Reduction& reduction);
 
-/// Load cases and dampers on the shapes.
-void project_loads(const Part& part, const TiedModel& model, const Eigen::MatrixXd& T,
-                   const ReductionOptions& options, Reduction& reduction);
+/// Load cases on the shapes.
+void project_loads(const TiedModel& model, const Eigen::MatrixXd& T, const ReductionOptions& options,
+                   Reduction& reduction);
+
+/// reduction.D_se (dampers.hpp), of a part here; collective.
+void project_damping(const Part& part, const TiedModel& model, const Basis& basis, const Eigen::MatrixXd& T,
+                     Reduction& reduction);
 
 /// 6 n_s x n: stresses of the shapes at the options' stress nodes; on rank 0 of a team, which knows the whole part.
 Eigen::MatrixXd stress_modes(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis,

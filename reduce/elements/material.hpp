@@ -7,6 +7,14 @@
 
 namespace flexura::reduce {
 
+/// What a material adds to the damping matrix of its elements: alpha M_e + beta K_e, and structurally K_e (1 + i loss).
+struct MaterialDamping {
+  double alpha = 0.0;  ///< [1/s]
+  double beta = 0.0;   ///< [s]
+  double loss = 0.0;   ///< loss factor
+  bool any() const { return alpha != 0.0 || beta != 0.0 || loss != 0.0; }
+};
+
 /// A layer of a shell's section, of the elasticity of a Material.
 struct Ply {
   Eigen::Matrix<double, 6, 6> D = Eigen::Matrix<double, 6, 6>::Zero();
@@ -20,6 +28,7 @@ struct Material {
   std::string name;
   Eigen::Matrix<double, 6, 6> D = Eigen::Matrix<double, 6, 6>::Zero();
   double density = 0.0;  ///< [kg/m^3]
+  MaterialDamping damping = {};
   /// Of a shell whose section has unlike layers: from the side against its normal to the other.  D and density are their
   /// means then.
   std::vector<Ply> plies = {};

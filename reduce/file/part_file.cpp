@@ -325,6 +325,7 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
     const Section matrices = in.table("matrices");
     part.stiffness = matrices.file("stiffness");
     part.mass_matrix = matrices.file("mass");
+    if (matrices.has("damping")) part.damping_matrix = matrices.file("damping");
     if (part.format == PartFormat::cad)
       geometry.refuse("file", "finished matrices go with the nodes of a mesh file or of a table (.csv)");
     if (in.flag("stiffening") || in.table("recovery").flag("stress"))

@@ -53,6 +53,7 @@ void read_finished_modes(const Section& in, PartInput& part) {
   part.finished.vectors = modes.file("vectors");
   part.finished.stiffness = modes.file("stiffness");
   part.finished.mass = modes.file("mass");
+  if (modes.has("damping")) part.finished.damping = modes.file("damping");
   if (modes.has("reduced_mass")) part.finished.reduced_mass = modes.file("reduced_mass");
   if (modes.has("stress")) part.finished.stress = modes.file("stress");
   if (part.format == PartFormat::cad)
@@ -93,6 +94,7 @@ ModesInput read_modes(const Section& in) {
   modes.count = in.integer("count");
   if (in.has("up_to")) modes.up_to = in.quantity("up_to");
   modes.damping = in.quantity("damping");
+  modes.damping_given = in.has("damping");
   return modes;
 }
 

@@ -25,7 +25,10 @@ TableSchema modes_schema() {
 
 TableSchema solid_modes_schema() {
   TableSchema s = modes_schema();
-  s.doc = "Which shapes stand beside the interface's own. May be left out.";
+  s.doc =
+      "Which shapes stand beside the interface's own. May be left out. Where materials of a deck or a "
+      "damping matrix bring the "
+      "part's damping, `damping` is 0 unless it is given.";
   s.keys.insert(
       s.keys.begin(),
       input::choice(
@@ -99,6 +102,7 @@ TableSchema mode_vectors_schema() {
                   "file of the part's mass matrix by nodes, as in [matrices], which the inertia integrals "
                   "need; a lumped (diagonal) one will do")
           .required(),
+      input::text("damping", "file of the reduced damping, V^T D V"),
       input::text("reduced_mass", "file of V^T M V as the FE program has it, for comparison"),
       input::text(
           "stress",

@@ -173,13 +173,17 @@ TableSchema matrices_schema() {
   TableSchema s{
       .name = "matrices",
       .doc =
-          "Stiffness and mass as another program assembled them, instead of the elements': Matrix "
+          "Stiffness, mass and damping as another program assembled them, instead of the elements': Matrix "
           "Market, Abaqus' coordinate format or matrix input, also gzipped. The geometry file gives "
           "the nodes: a mesh, or a table of node number, x, y, z (.csv, .txt). Rows go by "
           "ascending node number, three directions each."};
   s.keys = {
       input::text("stiffness", "file of K").required(),
       input::text("mass", "file of M; alike in the three directions, as solid elements have it").required(),
+      input::text("damping",
+                  "file of D; becomes D_se = T^T D T. What resists rigid motion, as damping in proportion to "
+                  "the mass "
+                  "does, is left out: forces of the mechanism stand for what surrounds the body"),
   };
   return s;
 }

@@ -53,6 +53,7 @@ std::vector<std::int32_t> stress_vertices(const RecoveryInput& wanted, const mes
 FinishedModes load_finished_modes(const PartInput& input) {
   FinishedModes modes{.V = read_dense(input.finished.vectors), .K = read_dense(input.finished.stiffness)};
   modes.K *= input.unit_mass;
+  if (!input.finished.damping.empty()) modes.D = input.unit_mass * read_dense(input.finished.damping);
   if (!input.finished.reduced_mass.empty())
     modes.M = input.unit_mass * read_dense(input.finished.reduced_mass);
   // Stress per displacement: (M L^-1 T^-2) / L.

@@ -102,6 +102,12 @@ void add_hints(const PartInput& input, const Attempt& done, ReportData& data) {
     if (!odd.empty()) data.warnings.push_back(odd);
 }
 
+// Damping of the whole part by its own materials or matrices; dampers between places stand beside the modes' own.
+bool brings_damping(const PartInput& input, const Part& part) {
+  return !input.finished.damping.empty() || !input.damping_matrix.empty() ||
+         std::ranges::any_of(part.materials, [](const Material& m) { return m.damping.any(); });
+}
+
 }  // namespace
 
 Reduced reduce(const PartInput& input, const ReduceOptions& options) {
@@ -128,6 +134,10 @@ Reduced reduce(const PartInput& input, const ReduceOptions& options) {
     data.bulk_over_shear = std::max(data.bulk_over_shear, bulk_over_shear(material));
   add_hints(input, done, data);
   if (input.has_damping) add_damping(reduction, input.damping);
+  const bool damps_itself = brings_damping(input, part);
+  if (damps_itself && !input.modes.damping_given)
+    data.notes.push_back(
+        "the part brings its damping along: no ratio of [modes] is added to it (damping = \"1 %\" does)");
   data.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   Report report = make_report(input, reduction, data);
 
@@ -143,7 +153,7 @@ Reduced reduce(const PartInput& input, const ReduceOptions& options) {
   se = to_superelement(input, std::move(reduction), std::move(done.picture.surface), report.json.dump(1),
                        std::move(done.vertices));
   se.mesh_error = std::move(mesh_error);
-  if (input.has_damping) se.modal_damping = 0.0;
+  if (input.has_damping || (damps_itself && !input.modes.damping_given)) se.modal_damping = 0.0;
   if (se.stress && !finished) add_compliance(part, stress_nodes, *se.stress);
   if (user.has_log() && options.say) options.say("where time went, by PETSc:");
   user.print_log();

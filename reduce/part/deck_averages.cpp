@@ -57,9 +57,16 @@ FrameElement spread(const std::vector<FrameElement>& frames, mesh::Index node, c
         T.block<6, 3>(row, 6 * place.at(average.set.nodes[k])) +=
             map.middleCols<3>(3 * static_cast<Index>(k));
     }
-    out.K += T.transpose() * frame.K * T;
+    const auto add = [&](const Eigen::MatrixXd& from, Eigen::MatrixXd& to) {
+      if (from.size() == 0) return;
+      if (to.size() == 0) to.setZero(6 * n, 6 * n);
+      to += T.transpose() * from * T;
+      to = (0.5 * (to + to.transpose())).eval();
+    };
+    add(frame.K, out.K);
+    add(frame.D, out.D);
+    add(frame.K_loss, out.K_loss);
   }
-  out.K = (0.5 * (out.K + out.K.transpose())).eval();
   return out;
 }
 

@@ -175,6 +175,9 @@ void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
         element.K.middleRows<3>(6 * end + 3).setZero();
         element.K.middleCols<3>(6 * end + 3).setZero();
       }
+    const MaterialDamping& damping = part.materials.at(from.material).damping;
+    if (damping.beta != 0.0) element.D = damping.beta * element.K;
+    if (damping.loss != 0.0) element.K_loss = damping.loss * element.K;
     part.frames.push_back(std::move(element));
 
     // Mass, and the section's moments about its principal axes.
@@ -196,7 +199,7 @@ void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
                           move.topRows<3>() - cross_matrix(arm) * move.bottomRows<3>());
       };
       const mesh::Index middle = add(centroid);
-      if (apart) part.masses.push_back({add(extra_at), from.extra_mass_per_length * share});
+      if (apart) part.masses.push_back({add(extra_at), from.extra_mass_per_length * share, damping.alpha});
       double left = mass;
       for (int k = 0; k < 2; ++k) {
         const double moment = axes.eigenvalues()(k);
@@ -205,11 +208,11 @@ void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
         const double w = mass / 6.0, reach = std::sqrt(moment / (2.0 * w));
         const Vector3d r = reach * bar.place.R_BE.rightCols<2>() * axes.eigenvectors().col(k);
         for (const double way : {-1.0, 1.0}) {
-          part.masses.push_back({add(centroid + way * r), w * share});
+          part.masses.push_back({add(centroid + way * r), w * share, damping.alpha});
         }
         left -= 2.0 * w;
       }
-      if (left > 0.0) part.masses.push_back({middle, left * share});
+      if (left > 0.0) part.masses.push_back({middle, left * share, damping.alpha});
     }
 
     // What is seen of it: its outline, or a rectangle with the same radii of gyration.
@@ -265,24 +268,32 @@ void add_springs(const std::vector<mesh::ImportedSpring>& springs, Part& part) {
     Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();
     turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = from.R.transpose();
     const Eigen::Matrix<double, 6, 12> strain = turn * relative;
-    Eigen::Matrix<double, 6, 1> k;
-    for (int d = 0; d < 6; ++d) {
-      k(d) = from.stiffness[static_cast<std::size_t>(d)];
-      if (!(k(d) >= 0.0 && std::isfinite(k(d))))
-        throw std::invalid_argument(fmt::format(
-            "spring element {} has the stiffness {:g}; it must be at least 0 and finite", from.label, k(d)));
-    }
-    if (k.isZero(0.0)) continue;
-    FrameElement element{.nodes = {from.nodes[0], from.nodes[1]},
-                         .K = strain.transpose() * k.asDiagonal() * strain};
-    // A spring along the line of its nodes turns nothing: what round-off leaves of the arms is none.
-    const double size = element.K.cwiseAbs().maxCoeff(), arm = (b - a).norm();
-    for (int end = 0; end < 2; ++end)
-      if (k.tail<3>().isZero(0.0) && element.K.middleRows<3>(6 * end + 3).cwiseAbs().maxCoeff() <=
-                                         1e-12 * size * std::max(arm, 1e-300)) {
-        element.K.middleRows<3>(6 * end + 3).setZero();
-        element.K.middleCols<3>(6 * end + 3).setZero();
-      }
+    const auto numbers = [&](const std::array<double, 6>& of, const char* element, const char* what) {
+      for (const double value : of)
+        if (!(value >= 0.0 && std::isfinite(value)))
+          throw std::invalid_argument(
+              fmt::format("{} element {} has the {} {:g}; it must be at least 0 and finite", element,
+                          from.label, what, value));
+      return Eigen::Matrix<double, 6, 1>(of.data());
+    };
+    const Eigen::Matrix<double, 6, 1> k = numbers(from.stiffness, "spring", "stiffness"),
+                                      c = numbers(from.damping, "damper", "coefficient");
+    if (k.isZero(0.0) && c.isZero(0.0)) continue;
+    const auto matrix = [&](const Eigen::Matrix<double, 6, 1>& of) {
+      Eigen::MatrixXd K = strain.transpose() * of.asDiagonal() * strain;
+      // Along the line of its nodes it turns nothing: what round-off leaves of the arms is none.
+      const double size = K.cwiseAbs().maxCoeff(), arm = (b - a).norm();
+      for (int end = 0; end < 2; ++end)
+        if (of.tail<3>().isZero(0.0) &&
+            K.middleRows<3>(6 * end + 3).cwiseAbs().maxCoeff() <= 1e-12 * size * std::max(arm, 1e-300)) {
+          K.middleRows<3>(6 * end + 3).setZero();
+          K.middleCols<3>(6 * end + 3).setZero();
+        }
+      return K;
+    };
+    FrameElement element{.nodes = {from.nodes[0], from.nodes[1]}, .K = matrix(k)};
+    if (!c.isZero(0.0)) element.D = matrix(c);
+    if (from.loss != 0.0) element.K_loss = from.loss * element.K;
     part.frames.push_back(std::move(element));
   }
 }

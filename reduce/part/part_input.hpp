@@ -38,6 +38,7 @@ struct ModesInput {
   int count = 0;
   double up_to = 0.0;  ///< [Hz], 0 = by count
   double damping = 0.0;
+  bool damping_given = false;  ///< by the user
   // Solid parts only.
   ModeSet set = ModeSet::craig_bampton;
   double accuracy = 0.0, compliance_accuracy = 0.0, effective_mass = 0.0;  ///< 0: not asked for
@@ -100,9 +101,9 @@ struct PartInput {
   bool mass_unit_known = true;                             ///< given, or going with the length unit
   double sheet_thickness = 0.0;                            ///< [m] of a CAD part of faces; 0: solids
   Formulation formulation = Formulation::standard;
-  std::filesystem::path stiffness, mass_matrix;  ///< finished matrices; empty: none
+  std::filesystem::path stiffness, mass_matrix, damping_matrix;  ///< finished matrices; empty: none
   struct {
-    std::filesystem::path vectors, stiffness, mass, reduced_mass, stress;  ///< empty: not given
+    std::filesystem::path vectors, stiffness, mass, damping, reduced_mass, stress;  ///< empty: not given
   } finished;  ///< finished modes of another program
   std::vector<Material> materials;
   MassKind mass = MassKind::consistent;

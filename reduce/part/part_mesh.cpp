@@ -75,6 +75,24 @@ Material material_of(const mesh::ImportedMaterial& from, const std::string& deck
   return isotropic(from.name, from.E, from.nu, from.rho);
 }
 
+// The layers' means, by mass and by stiffness in the plane.
+MaterialDamping damping_of_plies(const mesh::ImportedMaterial& of, const std::vector<Material>& materials) {
+  MaterialDamping sum;
+  double mass = 0.0, stiffness = 0.0;
+  for (const mesh::ImportedPly& ply : of.plies) {
+    const Material& material = materials.at(static_cast<std::size_t>(ply.material));
+    const double m = ply.thickness * material.density,
+                 k = ply.thickness * (material.D(0, 0) + material.D(1, 1));
+    mass += m, stiffness += k;
+    sum.alpha += m * material.damping.alpha;
+    sum.beta += k * material.damping.beta;
+    sum.loss += k * material.damping.loss;
+  }
+  if (mass > 0.0) sum.alpha /= mass;
+  if (stiffness > 0.0) sum.beta /= stiffness, sum.loss /= stiffness;
+  return sum;
+}
+
 void choose_materials(const PartInput& input, const mesh::ImportedModel& model, PartMesh& part) {
   const std::string deck = input.cad.path.filename().string();
   if (model.materials.empty()) {
@@ -105,15 +123,19 @@ void choose_materials(const PartInput& input, const mesh::ImportedModel& model, 
         plies.push_back({of.D, of.density, ply.thickness});
       }
       part.materials.push_back(laminate(from.name, std::move(plies), from.R.col(0)));
+      part.materials.back().damping = damping_of_plies(from, part.materials);
       continue;
     }
+    const MaterialDamping damping{from.alpha, from.beta, from.loss};
     if (ours != input.materials.end() && !ours->D.isZero(0.0)) {
       part.materials.push_back(*ours);
+      part.materials.back().damping = damping;
       continue;
     }
     mesh::ImportedMaterial whole = from;
     if (ours != input.materials.end()) whole.rho = ours->density;
     part.materials.push_back(material_of(whole, deck));
+    part.materials.back().damping = damping;
   }
   for (const Material& ours : input.materials)
     if (std::find(known.begin(), known.end(), ours.name) == known.end())
@@ -287,6 +309,23 @@ void take_masses(const mesh::ImportedModel& model, const std::vector<char>& in_c
   }
 }
 
+// What the materials of the deck damp.
+void say_damping(PartMesh& part) {
+  for (const Material& material : part.materials) {
+    const MaterialDamping& d = material.damping;
+    if (!d.any() || !material.plies.empty()) continue;
+    std::string text = fmt::format("material {} damps:", material.name);
+    if (d.alpha != 0.0) text += fmt::format(" {:g} 1/s times its mass", d.alpha);
+    if (d.beta != 0.0)
+      text += fmt::format("{} {:g} s times its stiffness", d.alpha != 0.0 ? "," : "", d.beta);
+    if (d.loss != 0.0)
+      text += fmt::format(
+          "{} loss factor {:g}, as viscous damping at the frequency of each mode of the free part",
+          d.alpha != 0.0 || d.beta != 0.0 ? "," : "", d.loss);
+    if (std::ranges::find(part.messages, text) == part.messages.end()) part.messages.push_back(text);
+  }
+}
+
 }  // namespace
 
 PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) {
@@ -318,9 +357,10 @@ PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) 
   } else if (input.stiffness.empty()) {
     choose_materials(input, model, part);
   } else {
-    NodalMatrices& matrices =
-        part.matrices.emplace(read_matrices(input.stiffness, input.mass_matrix, part.mesh));
+    NodalMatrices& matrices = part.matrices.emplace(
+        read_matrices(input.stiffness, input.mass_matrix, input.damping_matrix, part.mesh));
     for (Eigen::Matrix3d& k : matrices.K) k *= input.unit_mass;  // force per length: M T^-2
+    for (Eigen::Matrix3d& d : matrices.D) d *= input.unit_mass;
     for (double& m : matrices.m) m *= input.unit_mass;
     part.messages.push_back(fmt::format("stiffness and mass are those of {} and {}",
                                         input.stiffness.filename().string(),
@@ -344,7 +384,8 @@ PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) 
   take_masses(model, in_cell, part);
   if (!part.bars.empty() || !part.springs.empty())
     part.messages.push_back(
-        fmt::format("{} beams and rods, {} springs", part.bars.size(), part.springs.size()));
+        fmt::format("{} beams and rods, {} springs and dampers", part.bars.size(), part.springs.size()));
+  say_damping(part);
   if (!model.fixed.empty())
     part.messages.push_back(fmt::format(
         "the supports at {} node{} (SPC) are left out: a superelement is a free body, joints hold it at run "

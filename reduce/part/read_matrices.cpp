@@ -178,19 +178,27 @@ NodalMatrices read_mass_matrix(const std::filesystem::path& mass, const mesh::Me
 }
 
 NodalMatrices read_matrices(const std::filesystem::path& stiffness, const std::filesystem::path& mass,
-                            const mesh::Mesh& mesh) {
-  Blocks K = read_blocks(stiffness, mesh);
+                            const std::filesystem::path& damping, const mesh::Mesh& mesh) {
   NodalMatrices out = read_mass_matrix(mass, mesh);
-  for (std::size_t k = 0; k < out.pairs.size(); ++k)
-    if (const auto found = K.find(out.pairs[k]); found != K.end()) {
-      out.K[k] = found->second;
-      K.erase(found);
+  std::map<std::array<mesh::Index, 2>, std::size_t> place;
+  for (std::size_t k = 0; k < out.pairs.size(); ++k) place[out.pairs[k]] = k;
+  const auto take = [&](const std::filesystem::path& file, std::vector<Eigen::Matrix3d>& into) {
+    into.resize(out.pairs.size(), Eigen::Matrix3d::Zero());
+    for (const auto& [pair, block] : read_blocks(file, mesh)) {
+      const auto [at, is_new] = place.emplace(pair, out.pairs.size());
+      if (is_new) {
+        out.pairs.push_back(pair);
+        into.push_back(block);
+      } else {
+        into[at->second] = block;
+      }
     }
-  for (const auto& [pair, block] : K) {
-    out.pairs.push_back(pair);
-    out.K.push_back(block);
-    out.m.push_back(0.0);
-  }
+    for (std::vector<Eigen::Matrix3d>* blocks : {&out.K, &out.D})
+      if (!blocks->empty()) blocks->resize(out.pairs.size(), Eigen::Matrix3d::Zero());
+    out.m.resize(out.pairs.size(), 0.0);
+  };
+  take(stiffness, out.K);
+  if (!damping.empty()) take(damping, out.D);
   return out;
 }
 

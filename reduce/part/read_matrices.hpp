@@ -7,14 +7,14 @@
 
 namespace flexura::reduce {
 
-/// Stiffness and mass matrix that another program assembled: Matrix Market ("coordinate real symmetric" or
+/// Stiffness, mass and (where a file is given) damping matrix that another program assembled: Matrix Market ("coordinate real symmetric" or
 /// "general"), Abaqus' coordinate format (row, column, value) or its matrix input (node, direction, node,
 /// direction, value); gzipped or not.  Rows count the nodes of the mesh in ascending number, three directions
 /// each.  One triangle or both may be given.  Throws std::invalid_argument, naming file and line, for entries
 /// beyond the nodes, for two triangles that differ, and for a mass matrix that is not m (x) I_3: inertia
 /// integrals of rotational masses cannot be had from a matrix.
 NodalMatrices read_matrices(const std::filesystem::path& stiffness, const std::filesystem::path& mass,
-                            const mesh::Mesh& mesh);
+                            const std::filesystem::path& damping, const mesh::Mesh& mesh);
 
 /// The mass alone, as above, without stiffness.
 NodalMatrices read_mass_matrix(const std::filesystem::path& mass, const mesh::Mesh& mesh);

@@ -208,10 +208,10 @@ void Placer::place_other(const OtherElement& element, int scope) {
       placed_.bar_of.emplace(key, std::pair{placed_.model.bars.size(), element.type});
       placed_.model.bars.push_back(bar);
     }
-  } else if (element.type == "SPRING1") {
-    placed_.deck.unused.add("SPRING1: to the ground (a superelement is a free body)", element.where);
-  } else if (element.type.rfind("SPRING", 0) == 0) {
-    if (element.type == "SPRINGA") placed_.along.insert(placed_.model.springs.size());
+  } else if (element.type == "SPRING1" || element.type == "DASHPOT1") {
+    placed_.deck.unused.add(element.type + ": to the ground (a superelement is a free body)", element.where);
+  } else if (element.type.rfind("SPRING", 0) == 0 || element.type.rfind("DASHPOT", 0) == 0) {
+    if (element.type.back() == 'A') placed_.along.insert(placed_.model.springs.size());
     placed_.spring_of[key] = placed_.model.springs.size();
     placed_.model.springs.push_back({.label = element.label, .nodes = {nodes[0], nodes[1]}});
   } else {

@@ -77,8 +77,11 @@ class Reader {
       take_shell_section(k);
     else if (k.name == "BEAM SECTION" || k.name == "BEAM GENERAL SECTION")
       take_beam_section(k);
-    else if (k.name == "MASS" || k.name == "ROTARY INERTIA" || k.name == "SPRING") {
-      const bool two = k.name == "SPRING" && k.data.size() > 1;
+    else if (k.name == "MASS" || k.name == "ROTARY INERTIA" || k.name == "SPRING" || k.name == "DASHPOT") {
+      if (k.name == "DASHPOT" && k.has("NONLINEAR"))
+        throw std::invalid_argument(
+            k.where.text() + ": *DASHPOT, NONLINEAR is not read; give the coefficient of small motion");
+      const bool two = (k.name == "SPRING" || k.name == "DASHPOT") && k.data.size() > 1;
       here().data.push_back({.kind = k.name,
                              .set = known(k.get("ELSET")),
                              .values = numbers_of(k, two ? 1 : 0),
@@ -114,6 +117,8 @@ class Reader {
       deck_.materials.back().rho = to_real(field(k, 0, 0), k.where);
     } else if (k.name == "ELASTIC" && in_material_)
       take_elastic(k);
+    else if (k.name == "DAMPING" && in_material_)
+      take_damping(k);
     else if (k.name != "HEADING" && k.name != "PREPRINT" && k.name != "RESTART")
       deck_.unused.add("*" + k.name, k.where);
   }
@@ -172,6 +177,20 @@ class Reader {
     static const std::set<std::string> kNames = {"NGEN",  "NCOPY",  "NFILL",     "NMAP",
                                                  "ELGEN", "ELCOPY", "ASSEMBLED", "SUBSTRUCTURE PROPERTY"};
     return kNames.contains(name);
+  }
+
+  void take_damping(const Keyword& k) {
+    ImportedMaterial& material = deck_.materials.back();
+    const auto number = [&](const char* word, double& to) {
+      if (!k.has(word)) return;
+      to = to_real(k.get(word), k.where);
+      require_not_negative(to, "*DAMPING of material " + material.name, word, k.where);
+    };
+    number("ALPHA", material.alpha);
+    number("BETA", material.beta);
+    number("STRUCTURAL", material.loss);
+    for (const std::string word : {"COMPOSITE", "ALPHA FUNCTION", "BETA FUNCTION"})
+      if (k.has(word)) deck_.unused.add("*DAMPING's " + word, k.where);
   }
 
   void take_nodes(const Keyword& k) {

@@ -138,29 +138,31 @@ Index SectionPlacer::material_along(Index material, const Eigen::Matrix3d& axes)
   return at->second;
 }
 
-// SPRINGA along its line; SPRING2 in one direction of both nodes.
+// SPRINGA and DASHPOTA along their line; SPRING2 and DASHPOT2 in one direction of both nodes.
 void SectionPlacer::assign_spring(const ElementData& data, ImportedSpring& to, const Eigen::Matrix3d& axes) {
-  require_not_negative(data.values[0], "*" + data.kind, "stiffness", data.where);
+  const bool damps = data.kind == "DASHPOT";
+  require_not_negative(data.values[0], "*" + data.kind, damps ? "coefficient" : "stiffness", data.where);
   const auto place = static_cast<std::size_t>(&to - placed_.model.springs.data());
   spring_set_.insert(place);
+  std::array<double, 6>& numbers = damps ? to.damping : to.stiffness;
   if (placed_.along.contains(place)) {
-    to.stiffness[0] = data.values[0];
+    numbers[0] = data.values[0];
     return;
   }
   const double dof = data.dofs.empty() ? 0 : data.dofs[0];
   if (!(dof >= 1 && dof <= 6) || (data.dofs.size() > 1 && data.dofs[1] != dof))
     throw std::invalid_argument(
-        fmt::format("{}: *SPRING of SPRING2 joins dof {:g} to dof {:g}; equal ones from 1 to 6 are read",
-                    data.where.text(), dof, data.dofs.size() > 1 ? data.dofs[1] : dof));
+        fmt::format("{}: *{} of {}2 joins dof {:g} to dof {:g}; equal ones from 1 to 6 are read",
+                    data.where.text(), data.kind, data.kind, dof, data.dofs.size() > 1 ? data.dofs[1] : dof));
   to.R = axes;
-  to.stiffness[static_cast<std::size_t>(dof) - 1] = data.values[0];
+  numbers[static_cast<std::size_t>(dof) - 1] = data.values[0];
   const Eigen::Vector3d line = placed_.builder.place(to.nodes[1]) - placed_.builder.place(to.nodes[0]);
   if (dof < 4 && line.cross(axes.col(static_cast<Eigen::Index>(dof) - 1)).norm() > 1e-9 * line.norm())
     throw std::invalid_argument(
-        fmt::format("{}: spring element {} acts in direction {:g} between nodes that do not lie one behind "
+        fmt::format("{}: {} element {} acts in direction {:g} between nodes that do not lie one behind "
                     "the other in it, so that a turn of "
                     "the whole body would strain it; put both nodes in one place",
-                    data.where.text(), to.label, dof));
+                    data.where.text(), damps ? "dashpot" : "spring", to.label, dof));
 }
 
 void SectionPlacer::assign(const ElementData& data, const Part& part, int scope, const Instance* instance) {
@@ -174,7 +176,7 @@ void SectionPlacer::assign(const ElementData& data, const Part& part, int scope,
   for (const std::int64_t label : labels_of(data.set, part, data.where)) {
     const std::pair<int, std::int64_t> key{scope, label};
     if (const auto spring = placed_.spring_of.find(key);
-        data.kind == "SPRING" && spring != placed_.spring_of.end())
+        (data.kind == "SPRING" || data.kind == "DASHPOT") && spring != placed_.spring_of.end())
       assign_spring(data, placed_.model.springs[spring->second], R);
     const auto mass = placed_.mass_of.find(key);
     if (mass == placed_.mass_of.end()) continue;
@@ -210,15 +212,15 @@ void SectionPlacer::finish_others() {
                       bar.label));
   for (std::size_t k = 0; k < placed_.model.springs.size(); ++k)
     if (!spring_set_.contains(k))
-      throw std::invalid_argument(
-          fmt::format("spring element {} has no stiffness (*SPRING)", placed_.model.springs[k].label));
+      throw std::invalid_argument(fmt::format(
+          "spring or dashpot element {} has no number (*SPRING, *DASHPOT)", placed_.model.springs[k].label));
   for (const std::size_t k : placed_.along) {
     ImportedSpring& spring = placed_.model.springs[k];
     const Eigen::Vector3d line =
         placed_.builder.place(spring.nodes[1]) - placed_.builder.place(spring.nodes[0]);
     if (!(line.norm() > 0))
       throw std::invalid_argument(
-          fmt::format("spring element {} (SPRINGA) has no length, hence no direction", spring.label));
+          fmt::format("element {} (SPRINGA or DASHPOTA) has no length, hence no direction", spring.label));
     const Eigen::Vector3d x = line.normalized(), y = x.unitOrthogonal();
     spring.R << x, y, x.cross(y);
   }

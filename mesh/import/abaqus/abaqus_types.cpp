@@ -77,9 +77,10 @@ std::vector<std::int64_t> in_mesh_order(CellType type, const std::vector<std::in
 
 const std::map<std::string, std::size_t>& other_elements() {
   static const std::map<std::string, std::size_t> kTypes = {
-      {"B31", 2},     {"B31H", 2},    {"B31R", 2},    {"B33", 2},    {"B33H", 2}, {"B32", 3},
-      {"B32H", 3},    {"B32R", 3},    {"T3D2", 2},    {"T3D2H", 2},  {"T3D3", 3}, {"MASS", 1},
-      {"ROTARYI", 1}, {"SPRINGA", 2}, {"SPRING1", 1}, {"SPRING2", 2}};
+      {"B31", 2},     {"B31H", 2},     {"B31R", 2},     {"B33", 2},     {"B33H", 2},
+      {"B32", 3},     {"B32H", 3},     {"B32R", 3},     {"T3D2", 2},    {"T3D2H", 2},
+      {"T3D3", 3},    {"MASS", 1},     {"ROTARYI", 1},  {"SPRINGA", 2}, {"SPRING1", 1},
+      {"SPRING2", 2}, {"DASHPOTA", 2}, {"DASHPOT1", 1}, {"DASHPOT2", 2}};
   return kTypes;
 }
 

@@ -41,7 +41,8 @@ class NastranReader {
 
   const std::filesystem::path& path_;
   NastranDeck deck_;
-  double mass_factor_ = 1;  // WTMASS
+  double mass_factor_ = 1;                  // WTMASS
+  double loss_ = 0, alpha_ = 0, beta_ = 0;  // PARAM G, ALPHA1, ALPHA2: of all elements
 };
 
 ImportedModel NastranReader::read() {
@@ -71,10 +72,11 @@ void NastranReader::report() {
   for (const Card& card : deck_.cards())
     if (!deck_.is_read(card) && !kSilent.contains(card.name)) deck_.unused.add(card.name, card.where);
   for (const std::string& message : deck_.unused.messages("card")) deck_.model.messages.push_back(message);
-  // Elements with stiffness or mass that are not read; dampers, gaps and plot elements have none of either.
+  // Elements with stiffness, mass or damping that are not read; gaps and plot elements have none.
   static const std::set<std::string> kElements = {
-      "CQUAD",  "CQUADX", "CTRIAX", "CTRIAX6", "CSHEAR", "CBEND",  "CBEAM3", "CWELD",   "CFAST",   "CSEAM",
-      "CELAS3", "CELAS4", "CMASS1", "CMASS2",  "CMASS3", "CMASS4", "CONM1",  "CBUSH1D", "CCONEAX", "GENEL"};
+      "CQUAD", "CQUADX",  "CTRIAX",  "CTRIAX6", "CSHEAR", "CBEND",  "CBEAM3", "CWELD",
+      "CFAST", "CSEAM",   "CELAS3",  "CELAS4",  "CMASS1", "CMASS2", "CMASS3", "CMASS4",
+      "CONM1", "CBUSH1D", "CCONEAX", "GENEL",   "CDAMP3", "CDAMP4", "CDAMP5"};
   Unused left_out;
   for (const Card& card : deck_.cards())
     if (!deck_.is_read(card) && kElements.contains(card.name)) left_out.add(card.name, card.where);
@@ -97,10 +99,10 @@ void NastranReader::report() {
 
 void NastranReader::require_elements() const {
   if (deck_.builder.cells().empty() && deck_.model.bars.empty() && !deck_.model.springs.empty())
-    throw std::invalid_argument(
-        path_.string() +
-        ": holds springs alone (CBUSH, CELAS), which make no body: give them as [bushing.NAME] or "
-        "[spring_damper.NAME] of the mechanism");
+    throw std::invalid_argument(path_.string() +
+                                ": holds springs and dampers alone (CBUSH, CELAS, CDAMP, CVISC), which make "
+                                "no body: give them as [bushing.NAME] or "
+                                "[spring_damper.NAME] of the mechanism");
   if (deck_.builder.cells().empty() && deck_.model.bars.empty())
     throw std::invalid_argument(path_.string() +
                                 ": holds no solid, shell or beam elements (CTETRA, CHEXA, CPENTA, CPYRAM, "
@@ -121,7 +123,8 @@ void NastranReader::read_materials() {
     if (has_E_alone)
       deck_.approximated.add("MAT1 of E alone (Nastran: G = NU = 0): NU = 0 and G = E / 2 are used",
                              card->where);
-    if (card->real(8, 0) != 0) deck_.unused.add("MAT1's GE (damping)", card->where);
+    material.loss = card->real(8, 0);
+    require_not_negative(material.loss, fmt::format("MAT1 {}", id), "damping GE", card->where);
     const double G = card->real(2, 0);
     material.nu = has_nu ? card->real(3) : has_E_alone ? 0.0 : card->real(1) / (2 * G) - 1;
     material.E = has_E ? card->real(1) : 2 * G * (1 + material.nu);
@@ -168,6 +171,12 @@ void NastranReader::read_parameters() {
             "{}: PARAM COUPMASS {}: masses of elements are consistent here, not lumped, so that few "
             "elements tell the frequencies better",
             card->where.text(), card->integer(1, -1)));
+    } else if (double* const damping = card->text(0) == "G"        ? &loss_
+                                       : card->text(0) == "ALPHA1" ? &alpha_
+                                       : card->text(0) == "ALPHA2" ? &beta_
+                                                                   : nullptr) {
+      *damping = card->real(1, 0);
+      require_not_negative(*damping, "PARAM", card->text(0).c_str(), card->where);
     } else {
       deck_.unused.add("PARAM " + card->text(0), card->where);
     }
@@ -234,7 +243,14 @@ void NastranReader::read_dofs() {
 }
 
 void NastranReader::finish() {
-  for (ImportedMaterial& material : deck_.model.materials) material.rho *= mass_factor_;
+  for (ImportedMaterial& material : deck_.model.materials) {
+    material.rho *= mass_factor_;
+    material.loss += loss_, material.alpha += alpha_, material.beta += beta_;
+  }
+  for (ImportedSpring& spring : deck_.model.springs) {
+    spring.loss += loss_;
+    for (std::size_t d = 0; d < 6; ++d) spring.damping[d] += beta_ * spring.stiffness[d];
+  }
   for (ImportedBar& bar : deck_.model.bars) bar.extra_mass_per_length *= mass_factor_;
   for (ImportedMass& mass : deck_.model.masses) mass.mass *= mass_factor_, mass.inertia *= mass_factor_;
   deck_.builder.finish(deck_.model);

@@ -5,7 +5,7 @@
 
 #include "mesh/import/nastran/nastran_deck.hpp"
 
-/// Springs of a Nastran deck: CELAS1, CELAS2, CBUSH.
+/// Springs and dampers of a Nastran deck: CELAS1, CELAS2, CBUSH, CDAMP1, CDAMP2, CVISC.
 namespace flexura::mesh {
 
 class NastranSprings {
@@ -15,10 +15,18 @@ class NastranSprings {
   void read();
 
  private:
-  /// One component of two nodes.  Between nodes that stand apart only stretch along their line leaves the body free to
-  /// turn.
-  void add_scalar_spring(const Card& card, double stiffness, std::size_t first);
-  void add_bush(const Card& card, const std::array<double, 6>& stiffness);
+  /// Of a property PBUSH.
+  struct Bush {
+    std::array<double, 6> stiffness{}, damping{};
+    double loss = 0;
+  };
+
+  /// One component of two nodes: `number` is the stiffness or the coefficient of a damper.  Between nodes that stand apart only
+  /// stretch along their line leaves the body free to turn.
+  void add_scalar(const Card& card, double number, std::size_t first, bool damps, double loss = 0);
+  void add_bush(const Card& card, const Bush& bush);
+  void read_dampers();
+  void read_bushes();
 
   NastranDeck& deck_;
 };

@@ -52,7 +52,8 @@ struct PointMass {
 /// Mass that moves with a node.
 struct NodalMass {
   mesh::Index node = -1;
-  double mass = 0.0;  ///< [kg]
+  double mass = 0.0;   ///< [kg]
+  double alpha = 0.0;  ///< [1/s] of what it is made of (MaterialDamping)
 };
 
 /// A spring and a damper between two nodes, along the line that joins them; where they lie at the same place,
@@ -64,18 +65,21 @@ struct Link {
   double damping = 0.0;    ///< [N s/m]
 };
 
-/// Stiffness and mass that another program assembled, by pairs of nodes (from <= to), instead of cells.
+/// Stiffness, mass and damping that another program assembled, by pairs of nodes (from <= to), instead of cells.
 struct NodalMatrices {
   std::vector<std::array<mesh::Index, 2>> pairs;
-  std::vector<Eigen::Matrix3d> K;  ///< of each pair [N/m], rows of the first node
-  std::vector<double> m;           ///< of each pair: the mass matrix is m (x) I_3 [kg]
+  std::vector<Eigen::Matrix3d> K;       ///< of each pair [N/m], rows of the first node
+  std::vector<double> m;                ///< of each pair: the mass matrix is m (x) I_3 [kg]
+  std::vector<Eigen::Matrix3d> D = {};  ///< of each pair [N s/m]; none: not given
 };
 
 /// An element of nodes with six dofs each (u, theta) whose matrix is given: a beam, a bushing, a spring.  A node
 /// whose rows of theta are all zero gets no rotation from it.
 struct FrameElement {
   std::vector<mesh::Index> nodes;
-  Eigen::MatrixXd K;  ///< 6n x 6n, axes of B [N/m, N, N m]
+  Eigen::MatrixXd K;            ///< 6n x 6n, axes of B [N/m, N, N m]
+  Eigen::MatrixXd D = {};       ///< 6n x 6n of a damper, alike; empty: none
+  Eigen::MatrixXd K_loss = {};  ///< 6n x 6n, loss factors times stiffness; empty: none
 };
 
 /// The stress at a point on the outside of a beam, of axial force and bending: sigma = of_nodes (u, theta)(both nodes), rows

@@ -22,6 +22,7 @@ struct Sheet {
   Vector3d first = Vector3d::Zero(), normal = Vector3d::Zero();
   double area = 0.0, thickness = 0.0, offset = 0.0;  // thickness and offset: times area
   double mass = 0.0, moment = 0.0, rotary = 0.0;     // mass: of cells with an offset
+  double alpha = 0.0;                                // times area
   mesh::Index upper = -1, lower = -1;
 };
 
@@ -45,8 +46,8 @@ void add_shell_skins(Part& part) {
       const ShellFrame frame = shell_frame(x);
       const Vector3d normal = frame.R.col(2);
       const double t = block.thickness[cell], offset = block.offset.empty() ? 0.0 : block.offset[cell];
-      const ShellMass per_area =
-          shell_mass_per_area(part.materials.at(block.material.empty() ? 0 : block.material[cell]), t);
+      const Material& material = part.materials.at(block.material.empty() ? 0 : block.material[cell]);
+      const ShellMass per_area = shell_mass_per_area(material, t);
       const double share = frame.area / static_cast<double>(x.rows());
       for (Index a = 0; a < x.rows(); ++a) {
         std::vector<Sheet>& around = sheets[block.nodes(cell, a)];
@@ -64,6 +65,7 @@ void add_shell_skins(Part& part) {
         if (offset != 0.0) sheet->mass += share * per_area.mass;
         sheet->moment += (flipped ? -share : share) * per_area.first;
         sheet->rotary += share * per_area.second;
+        sheet->alpha += share * material.damping.alpha;
         corners[b].push_back({static_cast<std::size_t>(sheet - around.begin()), flipped});
       }
     }
@@ -79,19 +81,20 @@ void add_shell_skins(Part& part) {
   };
   for (auto& [node, around] : sheets)
     for (Sheet& sheet : around) {
-      const double t = sheet.thickness / sheet.area, offset = sheet.offset / sheet.area;
+      const double t = sheet.thickness / sheet.area, offset = sheet.offset / sheet.area,
+                   alpha = sheet.alpha / sheet.area;
       const Vector3d n = sheet.normal.normalized();
       mesh::Index middle = node;
       if (offset != 0.0 || sheet.mass > 0.0) {
         middle = add_point(node, offset * n);
-        if (sheet.mass > 0.0) part.masses.push_back({middle, sheet.mass});
+        if (sheet.mass > 0.0) part.masses.push_back({middle, sheet.mass, alpha});
       }
       sheet.upper = add_point(node, (offset + 0.5 * t) * n);
       sheet.lower = add_point(node, (offset - 0.5 * t) * n);
       const double w = sheet.rotary / (0.5 * t * t), more = sheet.moment / t;
-      part.masses.push_back({sheet.upper, w + more});
-      part.masses.push_back({sheet.lower, w - more});
-      part.masses.push_back({middle, -2.0 * w});
+      part.masses.push_back({sheet.upper, w + more, alpha});
+      part.masses.push_back({sheet.lower, w - more, alpha});
+      part.masses.push_back({middle, -2.0 * w, alpha});
     }
   mesh.points.conservativeResize(n_before + static_cast<Index>(added.size()), 3);
   for (std::size_t k = 0; k < added.size(); ++k)

@@ -113,7 +113,7 @@ TEST_F(DeckCards, WhatNothingJoinsAndWhatIsJoinedTwice) {
 TEST_F(DeckCards, SpringsAloneAreNoBody) {
   EXPECT_THAT(
       reduce_deck("BEGIN BULK\nGRID,1\nGRID,2,,1.\nPBUSH,5,K,1.,1.,1.\nCBUSH,9,5,1,2,,,,0\n", "").outcome.err,
-      HasSubstr("holds springs alone (CBUSH, CELAS), which make no body"));
+      HasSubstr("holds springs and dampers alone (CBUSH, CELAS, CDAMP, CVISC), which make no body"));
 }
 
 }  // namespace
