@@ -46,6 +46,7 @@ AttachedSolid attach_solid(const SolidInput& solid, const std::filesystem::path&
   r.n_q = se.n_q;
   r.K_se = std::move(se.K_se);
   r.M_se = std::move(se.M_se);
+  r.D_se = std::move(se.D_se);
   r.omega2 = std::move(se.omega2);
   r.inertia.mass = se.inertia.mass;
   r.inertia.S_x = se.inertia.S_x;

@@ -15,7 +15,7 @@ namespace flexura::reduce {
 void print_beam_modes(const BeamPartInput& input, int count, std::ostream& out) {
   const beam::BeamMesh mesh(input.model, input.subdivision);
   const linalg::Session session;
-  const Structure structure(mesh, input.solids);
+  const Structure structure(mesh, input.solids, input.links);
   const Eigen::VectorXd without = full_beam_modes(structure, count, false),
                         with = full_beam_modes(structure, count, true);
   out << fmt::format("{} elements; free natural frequencies in Hz\n", mesh.elements().size());

@@ -85,7 +85,7 @@ void print_statics(const BeamPartInput& part, const std::vector<std::string>& he
   const beam::BeamMesh mesh(part.model, part.subdivision);
   const std::vector<BeamInterface> interfaces = held_interfaces(part, held);
   const linalg::Session session;
-  const Structure structure(mesh, part.solids);
+  const Structure structure(mesh, part.solids, part.links);
   const Eigen::MatrixXd U = static_displacements(structure, interfaces, part.cases);
   std::string names;
   for (const BeamInterface& interface : interfaces) names += (names.empty() ? "" : ", ") + interface.name;

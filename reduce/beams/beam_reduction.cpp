@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <numeric>
 #include <stdexcept>
@@ -10,12 +11,11 @@
 #include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/rigid_projection.hpp"
 #include "reduce/beams/beam_stiffening.hpp"
+#include "reduce/beams/interior_shapes.hpp"
 #include "reduce/cms/errors/mode_choice.hpp"
 #include "reduce/cms/shapes/free_directions.hpp"
-#include "reduce/cms/shapes/response_modes.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 #include "reduce/linalg/dense/symmetric_matrix.hpp"
-#include "reduce/linalg/eigen/eigensolver.hpp"
 #include "reduce/linalg/factor/cholesky.hpp"
 
 namespace flexura::reduce {
@@ -122,44 +122,8 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
   MatrixXd K_bb;
   report.seconds_constraint_modes = watch.lap();
 
-  linalg::EigenPairs pairs;
-  pairs.Phi.resize(n_i, 0);
-  const bool preloaded = std::ranges::any_of(cases, [](const LoadCase& c) { return !c.preloads.empty(); });
-  if (n_i > 0 && (options.n_modes > 0 || options.omega_max > 0.0 || preloaded)) {
-    bool massless = true;
-    for (int i = 0; i < n_i && massless; ++i) massless = !(M.ii->diagonal(i) > 0.0);
-    if (massless)
-      throw std::invalid_argument(
-          "normal modes are wanted of beams without mass; give the materials a density");
-    linalg::EigenProblem problem;
-    problem.n = problem.n_free = n_i;
-    problem.solve = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { Y = factor.solve(X); };
-    problem.multiply_K = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { K.ii->multiply(X, Y); };
-    problem.multiply_M = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) { M.ii->multiply(X, Y); };
-    problem.multiply_magnitudes = [&](const Eigen::Ref<const MatrixXd>& X, MatrixXd& Y) {
-      K.ii->multiply_magnitudes(X, Y);
-    };
-    const linalg::EigenRequest request{std::min(options.n_modes, n_i), options.omega_max * options.omega_max,
-                                       options.tolerance};
-    if (options.n_modes > 0 || options.omega_max > 0.0)
-      pairs = options.eigensolver == Eigensolver::krylov_schur
-                  ? linalg::krylov_schur(problem, request, options.progress)
-                  : linalg::block_lanczos(problem, request, options.progress);
-    if (preloaded) {
-      MatrixXd answers(n_i, 0);
-      std::vector<std::string> names;
-      for (const LoadCase& load : cases) {
-        if (load.preloads.empty()) continue;
-        const VectorXd p = load_vector(structure, load);
-        answers.conservativeResize(Eigen::NoChange, answers.cols() + 1);
-        answers.rightCols<1>() = solve_refined(factor, *K.ii, MatrixXd(p(numbering.dof_of)));
-        names.push_back("static answer to load " + load.name);
-      }
-      const Index n_normal = pairs.omega2.size();
-      append_shapes(problem, pairs, whole_shapes(problem, std::move(answers), std::move(names)));
-      report.n_extra = static_cast<int>(pairs.omega2.size() - n_normal);
-    }
-  }
+  const BeamInterior interior{structure, interfaces, numbering, factor, K, M, Psi, rigid.R_b, rigid.R_i};
+  linalg::EigenPairs pairs = interior_shapes(interior, options, cases, report);
   if (!Psi.allFinite() || !pairs.Phi.allFinite())
     throw std::runtime_error("the modes of the beam part hold a number that is not finite");
   report.mode_residual = pairs.residual;
@@ -169,15 +133,10 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
   linalg::report(options.progress, "projection", 0.0);
   const Index n_q = pairs.Phi.cols(), n = n_b + n_q;
   MatrixXd& T = result.T;
-  T = MatrixXd::Zero(structure.n_dofs(), n);
-  for (int dof = 0; dof < structure.n_dofs(); ++dof) {
-    const int code = numbering.code[dof];
-    if (code == Numbering::kUnused) continue;
-    if (code < 0)
-      T(dof, -code - 1) = 1.0;
-    else
-      T.row(dof) << Psi.row(code), pairs.Phi.row(code);
-  }
+  MatrixXd boundary = MatrixXd::Zero(n_b, n), inside(n_i, n);
+  boundary.leftCols(n_b).setIdentity();
+  inside << Psi, pairs.Phi;
+  T = interior.on_all_dofs(boundary, inside);
   {
     // Stiffness from the elements' stretch: rigid motions stay free of strain and eigenvalues keep their
     // digits however fine the mesh (strain_energy).  The coupling of Psi and Phi is zero in exact arithmetic.
@@ -216,6 +175,7 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
     set_free_motion(out, T.middleRows<6>(6 * interface.node), rigid.R_b);
   }
 
+  reduction.D_se = structure.damping(T);
   reduction.shapes = structure.shapes(T);
   report.rigid_strain = n_b > 6 ? (K_bb * rigid.R_b).norm() / (K_bb.norm() * rigid.R_b.norm()) : 0.0;
   report.seconds_projection = watch.lap();
@@ -224,7 +184,7 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
     reduction.stiffening = beam_stiffening_terms(structure, interfaces, T, cases);
     report.seconds_stiffening = watch.lap();
   }
-  if (options.estimate_error && n_i > 0) {
+  if (options.estimate_error && n_i > 0 && options.set != ModeSet::craig_chang) {
     MatrixXd M_Psi;
     M.ii->multiply(Psi, M_Psi);
     const MatrixXd Mhat = M.ib + M_Psi;
@@ -232,13 +192,16 @@ BeamReduction reduce_beams(const Structure& structure, const std::vector<BeamInt
     const MatrixXd answer = factor.solve(Mhat);
     MatrixXd M_answer;
     M.ii->multiply(answer, M_answer);
-    InteriorDynamics interior;
-    interior.compliance = linalg::transpose_times(Mhat, answer);
-    interior.growth = linalg::transpose_times(answer, M_answer);
-    DroppedModes dropped = dropped_modes(interior, participation, pairs.omega2);
+    InteriorDynamics whole;
+    whole.compliance = linalg::transpose_times(Mhat, answer);
+    whole.growth = linalg::transpose_times(answer, M_answer);
+    DroppedModes dropped = dropped_modes(whole, participation, pairs.omega2);
     reduction.dropped = std::move(dropped.share);
     reduction.dropped_growth = std::move(dropped.growth);
-    reduction.omega2_dropped = n_q > 0 ? pairs.omega2(n_q - 1) : 0.0;
+    reduction.omega2_dropped = n_q == 0 ? 0.0
+                               : std::isfinite(pairs.omega2_next) && pairs.omega2_next > 0.0
+                                   ? pairs.omega2_next
+                                   : pairs.omega2(n_q - 1);
     report.seconds_estimate = watch.lap();
   }
   result.left_out = [stiffness, factored, numbering, Phi = pairs.Phi, omega2 = pairs.omega2,

@@ -61,8 +61,8 @@ double elastic_scale(const beam::BeamMesh& mesh) {
 
 }  // namespace
 
-Eigen::VectorXd full_beam_modes(const Structure& structure, int count, bool rotary_inertia,
-                                const linalg::Progress& progress) {
+MatrixXd free_beam_shapes(const Structure& structure, int count, double omega_max, bool rotary_inertia,
+                          const linalg::Progress& progress) {
   std::vector<int> index(structure.n_dofs(), -1), dof_of;
   for (int dof = 0; dof < structure.n_dofs(); ++dof)
     if (structure.used()[dof]) {
@@ -86,10 +86,16 @@ Eigen::VectorXd full_beam_modes(const Structure& structure, int count, bool rota
     K.multiply_magnitudes(X, Y);
   };
   const linalg::EigenPairs pairs =
-      linalg::block_lanczos(problem, {std::min(6 + count, problem.n), 0.0, 1e-8}, progress);
+      linalg::block_lanczos(problem, {std::min(6 + count, problem.n), omega_max * omega_max, 1e-8}, progress);
   MatrixXd U = MatrixXd::Zero(structure.n_dofs(), pairs.Phi.cols());
   for (std::size_t i = 0; i < dof_of.size(); ++i) U.row(dof_of[i]) = pairs.Phi.row(i);
-  return structure.strain_energy(U).diagonal();
+  return U;
+}
+
+Eigen::VectorXd full_beam_modes(const Structure& structure, int count, bool rotary_inertia,
+                                const linalg::Progress& progress) {
+  return structure.strain_energy(free_beam_shapes(structure, count, 0.0, rotary_inertia, progress))
+      .diagonal();
 }
 
 }  // namespace flexura::reduce

@@ -6,9 +6,13 @@
 
 namespace flexura::reduce {
 
-/// Eigenvalues omega^2 [rad^2/s^2] of the free structure, nothing reduced: six rigid ones, then `count`
-/// elastic ones. `rotary_inertia` = false is for comparison with tables that lack it.  Needs a
+/// Modes of the free structure, nothing reduced, six rigid ones first: `count` elastic ones, or all up to omega_max [rad/s],
+/// whichever asks for more; n_dofs x k.  `rotary_inertia` = false is for comparison with tables that lack it.  Needs a
 /// linalg::Session.
+Eigen::MatrixXd free_beam_shapes(const Structure& structure, int count, double omega_max = 0.0,
+                                 bool rotary_inertia = true, const linalg::Progress& progress = {});
+
+/// Their eigenvalues omega^2 [rad^2/s^2].
 Eigen::VectorXd full_beam_modes(const Structure& structure, int count, bool rotary_inertia = true,
                                 const linalg::Progress& progress = {});
 

@@ -41,9 +41,10 @@ beam::SparseMatrix with_solids(const Structure& structure, const beam::SparseMat
 
 }  // namespace
 
-Structure::Structure(beam::BeamMesh mesh, std::vector<AttachedSolid> solids)
+Structure::Structure(beam::BeamMesh mesh, std::vector<AttachedSolid> solids, std::vector<NodeLink> links)
     : mesh_(std::move(mesh)),
       solids_(std::move(solids)),
+      links_(std::move(links)),
       n_dofs_(mesh_.n_dofs()),
       beams_(beam::extruded_surface(mesh_)) {
   used_.assign(mesh_.n_dofs(), false);
@@ -70,6 +71,11 @@ Structure::Structure(beam::BeamMesh mesh, std::vector<AttachedSolid> solids)
     dofs_.push_back(std::move(dofs));
   }
   used_.resize(n_dofs_, true);
+  for (const NodeLink& link : links_)
+    for (const int node : link.node)
+      if (!used_.at(6 * node))
+        throw std::invalid_argument(fmt::format("link \"{}\": node \"{}\" belongs to no member and no solid",
+                                                link.name, mesh_.model().nodes.at(node).name));
 
   picture_ = {beams_.vertices, beams_.triangles, beams_.edges};
   for (const AttachedSolid& solid : solids_) {
@@ -91,7 +97,53 @@ Structure::Structure(beam::BeamMesh mesh, std::vector<AttachedSolid> solids)
 }
 
 beam::SparseMatrix Structure::stiffness() const {
-  return with_solids(*this, beam::stiffness_matrix(mesh_), [](const Reduction& r) { return r.K_se; });
+  beam::SparseMatrix K =
+      with_solids(*this, beam::stiffness_matrix(mesh_), [](const Reduction& r) { return r.K_se; });
+  if (links_.empty()) return K;
+  Triplets triplets;
+  add_entries(triplets, K);
+  for (const NodeLink& link : links_) {
+    std::vector<int> dofs;
+    for (const int node : link.node)
+      for (int d = 0; d < 3; ++d) dofs.push_back(6 * node + d);
+    Eigen::Matrix<double, 3, 6> relative;
+    const Eigen::Matrix3d along = directions(link);
+    relative << -along, along;
+    add_entries(triplets, link.stiffness * relative.transpose() * relative, dofs);
+  }
+  K.setFromTriplets(triplets.begin(), triplets.end());
+  return K;
+}
+
+Eigen::Matrix3d Structure::directions(const NodeLink& link) const {
+  const Eigen::Vector3d &a = mesh_.points()[link.node[0]], &b = mesh_.points()[link.node[1]];
+  const Eigen::Vector3d line = b - a;
+  // Closer than round-off of coordinates tells no direction.
+  if (line.norm() <= 1e-12 * (a.norm() + b.norm())) return Eigen::Matrix3d::Identity();
+  return line * line.transpose() / line.squaredNorm();
+}
+
+MatrixXd Structure::stretch(const NodeLink& link, const MatrixXd& U) const {
+  return directions(link) * (U.middleRows<3>(6 * link.node[1]) - U.middleRows<3>(6 * link.node[0]));
+}
+
+MatrixXd Structure::damping(const MatrixXd& U) const {
+  MatrixXd D;
+  const auto add = [&](const MatrixXd& some) {
+    if (D.size() == 0) D.setZero(U.cols(), U.cols());
+    D += 0.5 * (some + some.transpose());
+  };
+  for (const NodeLink& link : links_) {
+    const MatrixXd rate = stretch(link, U);
+    if (link.damping > 0.0) add(link.damping * rate.transpose() * rate);
+  }
+  for (std::size_t s = 0; s < solids_.size(); ++s) {
+    const MatrixXd& D_se = solids_[s].reduction.D_se;
+    if (D_se.size() == 0) continue;
+    const MatrixXd part = U(dofs_[s], Eigen::all);
+    add(part.transpose() * (D_se * part));
+  }
+  return D;
 }
 
 beam::SparseMatrix Structure::mass(bool rotary_inertia) const {
@@ -130,6 +182,10 @@ MatrixXd Structure::strain_energy(const MatrixXd& U) const {
   for (std::size_t s = 0; s < solids_.size(); ++s) {
     const MatrixXd part = U(dofs_[s], Eigen::all);
     energy += part.transpose() * (solids_[s].reduction.K_se * part);
+  }
+  for (const NodeLink& link : links_) {
+    const MatrixXd part = stretch(link, U);
+    energy += link.stiffness * part.transpose() * part;
   }
   return 0.5 * (energy + energy.transpose());
 }

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -33,11 +34,21 @@ struct AttachedSolid {
   Picture picture;
 };
 
+/// A spring and a damper between two nodes of the beam model, along the line that joins them; where they lie in one place,
+/// alike in all directions.
+struct NodeLink {
+  std::string name;
+  std::array<int, 2> node{-1, -1};
+  double stiffness = 0.0;  ///< [N/m]
+  double damping = 0.0;    ///< [N s/m]
+};
+
 class Structure {
  public:
   /// Throws std::invalid_argument for solids whose interfaces lack directions or lie elsewhere than their
   /// node.
-  Structure(beam::BeamMesh mesh, std::vector<AttachedSolid> solids = {});  // beams alone are a structure
+  Structure(beam::BeamMesh mesh, std::vector<AttachedSolid> solids = {},
+            std::vector<NodeLink> links = {});  // beams alone are a structure
 
   const beam::BeamMesh& mesh() const { return mesh_; }
   const std::vector<AttachedSolid>& solids() const { return solids_; }
@@ -52,6 +63,8 @@ class Structure {
   beam::InertiaSums inertia() const;
   /// U^T K U without the round-off that K itself brings (beam::strain_energy).
   Eigen::MatrixXd strain_energy(const Eigen::MatrixXd& U) const;
+  /// U^T D U of dampers, those of solids among them; empty where there are none.
+  Eigen::MatrixXd damping(const Eigen::MatrixXd& U) const;
 
   /// "node \"a\", about x" for messages.
   std::string describe(int dof) const;
@@ -62,8 +75,14 @@ class Structure {
   Eigen::MatrixXf shapes(const Eigen::MatrixXd& U) const;
 
  private:
+  /// Those in which a link acts, 3 x 3.
+  Eigen::Matrix3d directions(const NodeLink& link) const;
+  /// The relative displacement of a link's nodes that it resists: 3 x k of the rows of U.
+  Eigen::MatrixXd stretch(const NodeLink& link, const Eigen::MatrixXd& U) const;
+
   beam::BeamMesh mesh_;
   std::vector<AttachedSolid> solids_;
+  std::vector<NodeLink> links_;
   int n_dofs_ = 0;
   std::vector<bool> used_;
   std::vector<std::vector<int>> dofs_;

@@ -188,7 +188,8 @@ class ReductionStages {
       interior_.omega2_next = pairs.omega2_next;
     };
     if (fixed_modes_ && by_goal())
-      choose_modes(model_, options_, interior_, solve_for, pairs, report_);
+      choose_modes(
+          options_, interior_, [&] { return interior_mass(model_); }, solve_for, pairs, report_);
     else if (fixed_modes_ && (options_.n_modes > 0 || options_.omega_max > 0.0))
       solve_for(options_.n_modes, options_.omega_max);
     require_finite(model_, pairs.Phi, "the normal modes");

@@ -10,7 +10,7 @@
 #include "reduce/file/beam_curves.hpp"
 #include "reduce/file/beam_loads.hpp"
 #include "reduce/file/beam_sections.hpp"
-#include "reduce/file/part_file.hpp"
+#include "reduce/file/part_modes.hpp"
 
 namespace flexura::reduce {
 
@@ -150,6 +150,16 @@ BeamPartInput read_beam_part(const std::filesystem::path& file, const std::vecto
       }
       model.point_masses.push_back(mass);
     }
+  if (in.has("link"))
+    for (const auto& [name, l] : in.table_map("link")) {
+      NodeLink link{.name = name};
+      const std::vector<std::string> ends = l.texts("nodes");
+      for (std::size_t end = 0; end < 2; ++end) link.node[end] = nodes.find(l, "nodes", ends[end]);
+      if (link.node[0] == link.node[1]) l.refuse("nodes", "are two different ones");
+      link.stiffness = l.quantity("stiffness");
+      link.damping = l.quantity("damping");
+      part.links.push_back(std::move(link));
+    }
   if (in.has("load")) {
     Names members{"member", {}};
     for (const beam::Member& member : model.members) members.known.push_back(member.name);
@@ -183,8 +193,7 @@ BeamPartInput read_beam_part(const std::filesystem::path& file, const std::vecto
   if (mesh.has("size")) part.subdivision.max_length = mesh.quantity("size");
   if (mesh.has("frequency")) part.subdivision.max_frequency_hz = mesh.quantity("frequency");
   part.subdivision.frequency_error = mesh.quantity("frequency_error");
-  part.modes = read_modes(in.table("modes"));
-  part.stiffening = in.flag("stiffening");
+  read_request(in, part);
   try {
     beam::check(model);
   } catch (const std::invalid_argument& error) {

@@ -3,7 +3,7 @@
 #include "reduce/file/beam_file.hpp"
 #include "reduce/file/beam_loads.hpp"
 #include "reduce/file/beam_sections.hpp"
-#include "reduce/file/part_file.hpp"
+#include "reduce/file/part_modes.hpp"
 
 namespace flexura::reduce {
 
@@ -49,6 +49,22 @@ TableSchema mesh_schema() {
       input::quantity("frequency_error", dim::none, "relative error wanted there")
           .or_default("0.001")
           .above(0),
+  };
+  return s;
+}
+
+TableSchema link_schema() {
+  TableSchema s{.name = "link",
+                .doc =
+                    "A spring, a damper or both between two nodes, along the line that joins them; alike in "
+                    "all directions "
+                    "where they lie in one place. There is none to the ground: give the node an interface "
+                    "and the mechanism a "
+                    "force element between it and the ground."};
+  s.keys = {
+      input::texts("nodes", "its two nodes; those of a solid are \"NAME.INTERFACE\"").required().sized(2),
+      input::quantity("stiffness", dim::stiffness, "of the spring").or_default("0").at_least(0),
+      input::quantity("damping", dim::damping, "of the damper; goes into D_se").or_default("0").at_least(0),
   };
   return s;
 }
@@ -108,9 +124,11 @@ const TableSchema& beam_schema() {
         input::table_map("solid", solid_schema(), "solids that members hold on to"),
         input::table_map("mass", mass, "point masses by name"),
         input::table_map("interface", interface, "interfaces by name"),
+        input::table_map("link", link_schema(), "springs and dampers by name"),
         input::table_map("load", load_schema(), "loads by name"),
         input::table("mesh", mesh_schema(), "division into elements"),
         input::table("modes", modes_schema(), "modes"),
+        input::table("damping", damping_schema(), "damping"),
     };
     return s;
   }();

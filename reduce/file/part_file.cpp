@@ -6,7 +6,6 @@
 #include <cctype>
 #include <fstream>
 #include <map>
-#include <numbers>
 #include <sstream>
 
 #include "reduce/file/part_modes.hpp"
@@ -17,16 +16,6 @@ using input::InputError;
 using input::Section;
 
 namespace {
-
-RecoveryInput read_recovery(const Section& in) {
-  RecoveryInput r{.stress = in.flag("stress"),
-                  .double_precision = in.text("precision") == "double",
-                  .where = in.where("groups")};
-  if (in.has("groups")) r.groups = in.texts("groups");
-  if (!r.groups.empty() && !r.stress)
-    in.refuse("groups", "chooses where stress modes are kept, but there are none", "add stress = true");
-  return r;
-}
 
 std::string read_text(const std::filesystem::path& file) {
   std::ifstream in(file);
@@ -253,26 +242,6 @@ LoadInput read_load(const std::string& name, const Section& in) {
   return l;
 }
 
-DampingRule read_damping(const Section& in) {
-  constexpr double kTwoPi = 2.0 * std::numbers::pi;
-  DampingRule rule;
-  if (in.has("frequencies") != in.has("ratios"))
-    in.refuse(in.has("ratios") ? "ratios" : "frequencies", "a table has both frequencies and ratios");
-  if (in.has("frequencies")) {
-    for (const double f : in.quantities("frequencies")) rule.omega.push_back(kTwoPi * f);
-    rule.ratio = in.quantities("ratios");
-    if (rule.omega.size() != rule.ratio.size()) in.refuse("ratios", "has as many entries as frequencies");
-    for (std::size_t k = 1; k < rule.omega.size(); ++k)
-      if (!(rule.omega[k] > rule.omega[k - 1])) in.refuse("frequencies", "must ascend");
-    for (const double ratio : rule.ratio)
-      if (!(ratio >= 0.0)) in.refuse("ratios", "must be at least 0");
-  }
-  if (in.has("critical_above")) rule.critical_above = kTwoPi * in.quantity("critical_above");
-  rule.alpha = in.quantity("alpha");
-  rule.beta = in.quantity("beta");
-  return rule;
-}
-
 }  // namespace
 
 double mass_unit(const std::string& name) {
@@ -365,19 +334,17 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
       throw InputError(solver.where("petsc") + ": " + error.what());
     }
   }
-  part.modes = read_modes(in.table("modes"));
-  read_solid_modes(in.table("modes"), part.modes);
-  check_elastic_ties(in.table("modes"), part);
-  const Section damping = in.table("damping");
-  part.damping = read_damping(damping);
-  part.has_damping = !part.damping.omega.empty() || part.damping.critical_above > 0.0 ||
-                     part.damping.alpha > 0.0 || part.damping.beta > 0.0;
-  if (part.damping.critical_above > 0.0 && part.damping.omega.empty()) {
-    part.damping.omega = {0.0};
-    part.damping.ratio = {part.modes.damping};
+  read_request(in, part);
+  read_interface_modes(in.table("modes"), part);
+  const Section recovery = in.table("recovery");
+  part.recovery = read_recovery(recovery);
+  if (recovery.has("groups")) {
+    part.recovery.groups = recovery.texts("groups");
+    part.recovery.where = recovery.where("groups");
+    if (!part.recovery.groups.empty() && !part.recovery.stress)
+      recovery.refuse("groups", "chooses where stress modes are kept, but there are none",
+                      "add stress = true");
   }
-  part.recovery = read_recovery(in.table("recovery"));
-  part.stiffening = in.flag("stiffening");
   return part;
 }
 

@@ -13,10 +13,6 @@
 /// from the schema below by `flexura reduce --schema`.
 namespace flexura::reduce {
 
-/// The table [modes], the same in every kind of part file.
-input::TableSchema modes_schema();
-ModesInput read_modes(const input::Section& in);
-
 const input::TableSchema& part_schema();
 
 /// kg in a mass unit of `geometry.mass_unit`.

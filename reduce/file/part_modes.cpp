@@ -9,7 +9,14 @@ namespace flexura::reduce {
 using input::InputError;
 using input::Section;
 
-void read_solid_modes(const Section& in, ModesInput& modes) {
+namespace {
+
+ModesInput read_modes(const Section& in) {
+  ModesInput modes;
+  modes.count = in.integer("count");
+  if (in.has("up_to")) modes.up_to = in.quantity("up_to");
+  modes.damping = in.quantity("damping");
+  modes.damping_given = in.has("damping");
   const std::string set = in.text("set");
   modes.set = set == "guyan"         ? ModeSet::guyan
               : set == "craig_chang" ? ModeSet::craig_chang
@@ -26,7 +33,6 @@ void read_solid_modes(const Section& in, ModesInput& modes) {
       modes.response_omegas.push_back(2.0 * std::numbers::pi * f);
     }
   if (in.has("strike_modes")) modes.struck = in.integers("strike_modes");
-  modes.certify = in.flag("certify");
   modes.where = in.where();
   if (modes.accuracy > 0.0 && modes.effective_mass > 0.0)
     in.refuse("effective_mass", "modes are kept by accuracy or by effective mass, one of the two");
@@ -35,7 +41,72 @@ void read_solid_modes(const Section& in, ModesInput& modes) {
     if (in.has(key) && modes.set != ModeSet::craig_bampton)
       in.refuse(key, "goes with fixed-interface modes", "take set = \"craig_bampton\"");
   if (modes.set == ModeSet::guyan) modes.count = 0, modes.up_to = 0.0;
-  InterfaceModesRequest& faces = modes.interface_modes;
+  return modes;
+}
+
+DampingRule read_damping(const Section& in) {
+  constexpr double kTwoPi = 2.0 * std::numbers::pi;
+  DampingRule rule;
+  if (in.has("frequencies") != in.has("ratios"))
+    in.refuse(in.has("ratios") ? "ratios" : "frequencies", "a table has both frequencies and ratios");
+  if (in.has("frequencies")) {
+    for (const double f : in.quantities("frequencies")) rule.omega.push_back(kTwoPi * f);
+    rule.ratio = in.quantities("ratios");
+    if (rule.omega.size() != rule.ratio.size()) in.refuse("ratios", "has as many entries as frequencies");
+    for (std::size_t k = 1; k < rule.omega.size(); ++k)
+      if (!(rule.omega[k] > rule.omega[k - 1])) in.refuse("frequencies", "must ascend");
+    for (const double ratio : rule.ratio)
+      if (!(ratio >= 0.0)) in.refuse("ratios", "must be at least 0");
+  }
+  if (in.has("critical_above")) rule.critical_above = kTwoPi * in.quantity("critical_above");
+  rule.alpha = in.quantity("alpha");
+  rule.beta = in.quantity("beta");
+  return rule;
+}
+
+void check_elastic_ties(const Section& modes, const PartInput& part) {
+  const bool elastic = std::any_of(part.interfaces.begin(), part.interfaces.end(),
+                                   [](const InterfaceInput& f) { return f.tie == Tie::elastic; });
+  if (elastic && !part.finished.vectors.empty())
+    modes.refuse("interface_count", "goes with a reduction here, not with finished vectors",
+                 "tie the interfaces as an average");
+  if (!elastic) {
+    for (const char* key : {"interface_count", "interface_up_to", "interface_accuracy"})
+      if (modes.has(key)) modes.refuse(key, "is about elastic ties", "give an interface tie = \"elastic\"");
+    return;
+  }
+  if (part.modes.accuracy > 0.0)
+    modes.refuse("accuracy", "is not estimated with elastic ties",
+                 "keep modes by count, up_to or effective_mass");
+  if (part.modes.set == ModeSet::craig_chang)
+    modes.refuse("set", "does not go with elastic ties", "take craig_bampton or guyan");
+}
+
+}  // namespace
+
+RecoveryInput read_recovery(const Section& in) {
+  return {.stress = in.flag("stress"),
+          .groups = {},
+          .double_precision = in.text("precision") == "double",
+          .where = in.where()};
+}
+
+void read_request(const Section& in, ReductionRequest& request) {
+  request.modes = read_modes(in.table("modes"));
+  request.damping = read_damping(in.table("damping"));
+  DampingRule& rule = request.damping;
+  request.has_damping =
+      !rule.omega.empty() || rule.critical_above > 0.0 || rule.alpha > 0.0 || rule.beta > 0.0;
+  if (rule.critical_above > 0.0 && rule.omega.empty()) {
+    rule.omega = {0.0};
+    rule.ratio = {request.modes.damping};
+  }
+  request.stiffening = in.flag("stiffening");
+}
+
+void read_interface_modes(const Section& in, PartInput& part) {
+  part.modes.certify = in.flag("certify");
+  InterfaceModesRequest& faces = part.modes.interface_modes;
   faces.count = in.integer("interface_count");
   if (in.has("interface_up_to")) {
     faces.omega_max = 2.0 * std::numbers::pi * in.quantity("interface_up_to");
@@ -46,6 +117,7 @@ void read_solid_modes(const Section& in, ModesInput& modes) {
     throw InputError(in.where() +
                      ": interface modes are kept by interface_count, interface_up_to or interface_accuracy, "
                      "one of them");
+  check_elastic_ties(in, part);
 }
 
 void read_finished_modes(const Section& in, PartInput& part) {
@@ -69,33 +141,6 @@ void read_finished_modes(const Section& in, PartInput& part) {
   for (const char* table : {"mass_point", "link"})
     if (!in.table_map(table).empty())
       in.refuse(table, "cannot change finished modes", "have it in the model that the vectors come from");
-}
-
-void check_elastic_ties(const Section& modes, const PartInput& part) {
-  const bool elastic = std::any_of(part.interfaces.begin(), part.interfaces.end(),
-                                   [](const InterfaceInput& f) { return f.tie == Tie::elastic; });
-  if (elastic && !part.finished.vectors.empty())
-    modes.refuse("interface_count", "goes with a reduction here, not with finished vectors",
-                 "tie the interfaces as an average");
-  if (!elastic) {
-    for (const char* key : {"interface_count", "interface_up_to", "interface_accuracy"})
-      if (modes.has(key)) modes.refuse(key, "is about elastic ties", "give an interface tie = \"elastic\"");
-    return;
-  }
-  if (part.modes.accuracy > 0.0)
-    modes.refuse("accuracy", "is not estimated with elastic ties",
-                 "keep modes by count, up_to or effective_mass");
-  if (part.modes.set == ModeSet::craig_chang)
-    modes.refuse("set", "does not go with elastic ties", "take craig_bampton or guyan");
-}
-
-ModesInput read_modes(const Section& in) {
-  ModesInput modes;
-  modes.count = in.integer("count");
-  if (in.has("up_to")) modes.up_to = in.quantity("up_to");
-  modes.damping = in.quantity("damping");
-  modes.damping_given = in.has("damping");
-  return modes;
 }
 
 }  // namespace flexura::reduce

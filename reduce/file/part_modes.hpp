@@ -3,20 +3,26 @@
 
 #include "reduce/file/part_file.hpp"
 
-// The part file's choice of modes; for part_file.cpp only.
+// What is kept of a part: for part_file.cpp and beam_file.cpp only.
 namespace flexura::reduce {
 
-/// The tables [modes] of solid parts and [mode_vectors].
+/// The tables [modes] and [recovery] of all parts, of solid parts, [mode_vectors], [damping].
+input::TableSchema modes_schema();
 input::TableSchema solid_modes_schema();
 input::TableSchema mode_vectors_schema();
+input::TableSchema damping_schema();
+input::TableSchema recovery_schema();
+input::TableSchema solid_recovery_schema();
 
-/// What [modes] has for solid parts beyond read_modes().
-void read_solid_modes(const input::Section& in, ModesInput& modes);
+RecoveryInput read_recovery(const input::Section& in);
+
+/// [modes], [damping] and stiffening of a part of any kind.
+void read_request(const input::Section& in, ReductionRequest& request);
+
+/// What [modes] has for solid parts beyond that; their interfaces must have been read.
+void read_interface_modes(const input::Section& modes, PartInput& part);
 
 /// The table [mode_vectors] and what does not go with it.
 void read_finished_modes(const input::Section& in, PartInput& part);
-
-/// Keys of [modes] against the interfaces' ties, which must have been read.
-void check_elastic_ties(const input::Section& modes, const PartInput& part);
 
 }  // namespace flexura::reduce

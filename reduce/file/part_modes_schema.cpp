@@ -10,8 +10,17 @@ using input::TableSchema;
 namespace dim = input::dim;
 
 TableSchema modes_schema() {
-  TableSchema s{.name = "modes", .doc = "Fixed-interface normal modes to keep beside the constraint modes."};
+  TableSchema s{.name = "modes",
+                .doc =
+                    "Which shapes stand beside the interface's own. May be left out. Where materials of a "
+                    "deck or a damping "
+                    "matrix bring the part's damping, `damping` is 0 unless it is given."};
   s.keys = {
+      input::choice(
+          "set", {"craig_bampton", "craig_chang", "guyan"},
+          "`craig_bampton`: fixed-interface modes. `craig_chang`: free-free modes and inertia-relief "
+          "attachment modes. `guyan`: none; MotionSolve takes `mass = \"lumped\"` with it")
+          .or_default("craig_bampton"),
       input::integer("count", "number of modes").or_default("20").at_least(0).at_most(20000),
       input::quantity("up_to", dim::frequency, "keep all modes up to this frequency instead of a fixed count")
           .above(0),
@@ -19,30 +28,14 @@ TableSchema modes_schema() {
                       "modal damping ratio proposed to the runtime (diagonal in modal space)")
           .or_default("0.01")
           .at_least(0),
-  };
-  return s;
-}
-
-TableSchema solid_modes_schema() {
-  TableSchema s = modes_schema();
-  s.doc =
-      "Which shapes stand beside the interface's own. May be left out. Where materials of a deck or a "
-      "damping matrix bring the "
-      "part's damping, `damping` is 0 unless it is given.";
-  s.keys.insert(
-      s.keys.begin(),
-      input::choice(
-          "set", {"craig_bampton", "craig_chang", "guyan"},
-          "`craig_bampton`: fixed-interface modes. `craig_chang`: free-free modes and inertia-relief "
-          "attachment modes. `guyan`: none; MotionSolve takes `mass = \"lumped\"` with it")
-          .or_default("craig_bampton"));
-  const std::vector<Key> more = {
       input::quantity(
           "accuracy", dim::none,
           "choose mesh and modes so that the body's frequencies below `up_to` (without it the first "
           "six of the free body) and the static compliance between the interfaces are within this "
           "(\"1 %\") by their estimates; CAD parts are meshed anew, finer where the error is, until "
-          "they are. A mesh that comes with the part stays: its share is reported")
+          "they are. Members of beams get as many elements as that takes; a mesh that comes with the part "
+          "stays: its share is "
+          "reported")
           .above(0)
           .below(1),
       input::quantity(
@@ -59,6 +52,16 @@ TableSchema solid_modes_schema() {
       input::quantities("response_at", dim::frequency,
                         "add frequency response modes: the part's exact answer to loads at its interfaces at "
                         "these frequencies (0: slow acceleration)"),
+      input::integers("strike_modes",
+                      "natural modes of the free body to strike out, by number as `flexura modes --free` "
+                      "prints them"),
+  };
+  return s;
+}
+
+TableSchema solid_modes_schema() {
+  TableSchema s = modes_schema();
+  const std::vector<Key> more = {
       input::integer("interface_count",
                      "elastic ties: number of interface modes (characteristic constraint modes)")
           .or_default("20")
@@ -72,9 +75,6 @@ TableSchema solid_modes_schema() {
                       "accuracy (\"1 %\") of the averaging tie's")
           .above(0)
           .below(1),
-      input::integers("strike_modes",
-                      "natural modes of the free body to strike out, by number as `flexura modes --free` "
-                      "prints them"),
       input::flag("certify", "prove by Sylvester's law that no mode was missed; takes another factorisation")
           .or_default("true"),
   };
@@ -109,6 +109,45 @@ TableSchema mode_vectors_schema() {
           "file of stress modes: a column for each vector, rows by ascending node number, xx, yy, zz, "
           "xy, yz, zx each"),
   };
+  return s;
+}
+
+TableSchema damping_schema() {
+  TableSchema s{.name = "damping",
+                .doc =
+                    "Damping beyond the one ratio of [modes]: it becomes the matrix D_se, and the ratio of "
+                    "[modes] is not used."};
+  s.keys = {
+      input::quantities("frequencies", dim::frequency, "frequencies of a table, ascending"),
+      input::quantities("ratios", dim::none, "ratio to critical at each; linear between, constant beyond"),
+      input::quantity("critical_above", dim::frequency,
+                      "modes from this frequency are damped critically: they follow without ringing")
+          .above(0),
+      input::quantity("alpha", dim::frequency, "Rayleigh: times the mass matrix [1/s]")
+          .or_default("0")
+          .at_least(0),
+      input::quantity("beta", dim::time, "Rayleigh: times the stiffness matrix").or_default("0").at_least(0),
+  };
+  return s;
+}
+
+TableSchema recovery_schema() {
+  TableSchema s{.name = "recovery",
+                .doc = "What the superelement keeps besides the displacements of its surface."};
+  s.keys = {
+      input::flag("stress",
+                  "stress modes: nodal stresses of every shape on the surface, for von Mises stress and the "
+                  "like at run time")
+          .or_default("false"),
+      input::choice("precision", {"single", "double"}, "how stress modes are stored").or_default("single"),
+  };
+  return s;
+}
+
+TableSchema solid_recovery_schema() {
+  TableSchema s = recovery_schema();
+  s.keys.push_back(input::texts(
+      "groups", "stress modes only at the nodes of these named sets; default: the whole surface"));
   return s;
 }
 

@@ -278,40 +278,6 @@ TableSchema load_schema() {
   return s;
 }
 
-TableSchema damping_schema() {
-  TableSchema s{.name = "damping",
-                .doc =
-                    "Damping beyond the one ratio of [modes]: it becomes the matrix D_se, and the ratio of "
-                    "[modes] is not used."};
-  s.keys = {
-      input::quantities("frequencies", dim::frequency, "frequencies of a table, ascending"),
-      input::quantities("ratios", dim::none, "ratio to critical at each; linear between, constant beyond"),
-      input::quantity("critical_above", dim::frequency,
-                      "modes from this frequency are damped critically: they follow without ringing")
-          .above(0),
-      input::quantity("alpha", dim::frequency, "Rayleigh: times the mass matrix [1/s]")
-          .or_default("0")
-          .at_least(0),
-      input::quantity("beta", dim::time, "Rayleigh: times the stiffness matrix").or_default("0").at_least(0),
-  };
-  return s;
-}
-
-TableSchema recovery_schema() {
-  TableSchema s{.name = "recovery",
-                .doc = "What the superelement keeps besides the displacements of its surface."};
-  s.keys = {
-      input::flag("stress",
-                  "stress modes: nodal stresses of every shape on the surface, for von Mises stress and the "
-                  "like at run time")
-          .or_default("false"),
-      input::texts("groups",
-                   "stress modes only at the nodes of these named sets; default: the whole surface"),
-      input::choice("precision", {"single", "double"}, "how stress modes are stored").or_default("single"),
-  };
-  return s;
-}
-
 TableSchema solver_schema() {
   TableSchema s{.name = "solver",
                 .doc = "How PETSc and SLEPc compute. May be left out: the defaults are the fast ones."};
@@ -354,7 +320,7 @@ const TableSchema& part_schema() {
         input::table_map("load", load_schema(), "load cases by name"),
         input::table("modes", solid_modes_schema(), "modes"),
         input::table("damping", damping_schema(), "damping"),
-        input::table("recovery", recovery_schema(), "stresses"),
+        input::table("recovery", solid_recovery_schema(), "stresses"),
         input::table("solver", solver_schema(), "solvers"),
     };
     return s;

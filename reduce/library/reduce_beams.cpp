@@ -5,10 +5,12 @@
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <optional>
 
+#include "reduce/beams/full_modes.hpp"
+#include "reduce/cms/damping.hpp"
 #include "reduce/library/reduce.hpp"
+#include "reduce/library/request.hpp"
 #include "reduce/library/section_forces.hpp"
 #include "reduce/linalg/session/session.hpp"
 #include "reduce/superelement/report.hpp"
@@ -44,24 +46,41 @@ std::vector<std::string> short_solids(const BeamPartInput& input, double highest
   return texts;
 }
 
+// An accuracy of frequencies up to some is shared by the elements and the modes; static compliance is exact whatever they are.
+void set_goal(BeamPartInput& input, const ReduceOptions& options, std::vector<std::string>& notes) {
+  ModesInput& modes = input.modes;
+  if (!(modes.accuracy > 0.0)) return;
+  if (!(modes.up_to > 0.0)) {
+    constexpr int kFrequencies = 6;  // as of solids
+    const Structure structure(beam::BeamMesh(input.model, input.subdivision), input.solids, input.links);
+    const Eigen::VectorXd free = full_beam_modes(structure, kFrequencies, true, options.progress);
+    if (free.size() <= 6) return;
+    modes.up_to = 1.001 * frequency_hz(free(std::min<Eigen::Index>(free.size() - 1, 5 + kFrequencies)));
+  }
+  beam::Subdivision& mesh = input.subdivision;
+  mesh.max_frequency_hz = std::max(mesh.max_frequency_hz, modes.up_to);
+  mesh.frequency_error = std::min(mesh.frequency_error, 0.5 * modes.accuracy);
+  notes.push_back(fmt::format("elements and modes for an accuracy of {:.3g} % up to {:.5g} Hz",
+                              100.0 * modes.accuracy, modes.up_to));
+}
+
 }  // namespace
 
-Reduced reduce(const BeamPartInput& input, const ReduceOptions& options) {
+Reduced reduce(const BeamPartInput& given, const ReduceOptions& options) {
   const auto start = std::chrono::steady_clock::now();
+  const linalg::Session session;
+  BeamPartInput input = given;
+  std::vector<std::string> notes;
+  set_goal(input, options, notes);
   const beam::BeamMesh mesh(input.model, input.subdivision);
   std::vector<int> held;
   for (const BeamInterface& interface : input.interfaces) held.push_back(interface.node);
-  std::vector<std::string> notes;
   for (const std::string& text : beam::warnings(input.model, held)) notes.push_back("warning: " + text);
   for (const std::string& text : beam::accuracy_warnings(mesh)) notes.push_back("warning: " + text);
 
-  const linalg::Session session;
-  ReductionOptions how;
-  how.n_modes = input.modes.up_to > 0.0 ? 0 : input.modes.count;
-  how.stiffening = input.stiffening;
-  how.omega_max = 2.0 * std::numbers::pi * input.modes.up_to;
+  ReductionOptions how = options_of(input);
   how.progress = options.progress;
-  const Structure structure(mesh, input.solids);
+  const Structure structure(mesh, input.solids, input.links);
   std::vector<BeamInterface> interfaces = input.interfaces;
   if (const auto body = body_interface(structure, interfaces)) {
     notes.push_back(
@@ -71,6 +90,15 @@ Reduced reduce(const BeamPartInput& input, const ReduceOptions& options) {
   }
   BeamReduction beams = reduce_beams(structure, interfaces, how, input.cases);
   Reduction& reduction = beams.reduction;
+  notes.insert(notes.end(), reduction.report.notes.begin(), reduction.report.notes.end());
+  std::vector<std::string> warnings;
+  if (const Eigen::MatrixXd Y = strike_out(input, reduction, notes, warnings); Y.size() > 0)
+    beams.T = (beams.T * Y).eval();
+  for (const std::string& text : warnings) notes.push_back("warning: " + text);
+  if (input.has_damping) add_damping(reduction, input.damping);
+  for (const NodeLink& link : input.links)
+    notes.push_back(fmt::format("link {}: stiffness {:.5g} N/m, damping {:.5g} N s/m", link.name,
+                                link.stiffness, link.damping));
   const ReductionReport& r = reduction.report;
 
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -106,21 +134,20 @@ Reduced reduce(const BeamPartInput& input, const ReduceOptions& options) {
   text += fmt::format("  {} dofs -> {} interface dofs + {} modes, {:.1f} s, peak memory {:.2f} GB\n",
                       r.n_i + r.n_b, r.n_b, r.n_q, seconds, r.peak_memory_bytes / 1e9);
   if (reduction.n_q > 0)
-    text += fmt::format("  fixed-interface modes {:.5g} to {:.5g} Hz, greatest residual {:.1e}\n",
-                        frequencies.front(), frequencies.back(), r.mode_residual.maxCoeff());
+    text +=
+        fmt::format("  fixed-interface modes {:.5g} to {:.5g} Hz", frequencies.front(), frequencies.back()) +
+        (r.mode_residual.size() > 0 ? fmt::format(", greatest residual {:.1e}\n", r.mode_residual.maxCoeff())
+                                    : std::string("\n"));
 
-  PartInput named;  // what the superelement takes of a part's input
-  named.name = input.name;
-  named.source = input.source;
-  named.modes = input.modes;
   std::vector<superelement::LoadCase> cases;
   for (const LoadCase& load : input.cases)
     cases.push_back({.name = load.name,
                      .p_se = beams.T.transpose() * load_vector(structure, load),
                      .is_preload = !load.preloads.empty() && load.nodal.empty() && load.members.empty()});
   superelement::Superelement se =
-      to_superelement(named, std::move(reduction), surface_of(structure.picture()), json.dump(1));
+      to_superelement(input, std::move(reduction), surface_of(structure.picture()), json.dump(1));
   se.load_cases = std::move(cases);
+  if (input.has_damping) se.modal_damping = 0.0;
   if (input.model.members.size() <= most_members) {
     std::optional<UnitTensions> tensions;
     if (input.stiffening) tensions.emplace(structure, interfaces, input.cases);

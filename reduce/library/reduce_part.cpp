@@ -4,15 +4,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
-#include <numbers>
 #include <optional>
 
 #include "mbs/base/documents/document.hpp"
-#include "reduce/cms/shapes/shape_change.hpp"
 #include "reduce/library/attempt.hpp"
 #include "reduce/library/comparison.hpp"
 #include "reduce/library/plausibility.hpp"
 #include "reduce/library/reduce.hpp"
+#include "reduce/library/request.hpp"
 #include "reduce/linalg/session/session.hpp"
 #include "reduce/superelement/mesh_hints.hpp"
 #include "reduce/superelement/mesh_report.hpp"
@@ -24,17 +23,10 @@ namespace flexura::reduce {
 namespace {
 
 ReductionOptions options_of(const PartInput& input, const ReduceOptions& options) {
-  ReductionOptions how;
-  how.set = input.modes.set;
-  how.n_modes = input.modes.up_to > 0.0 ? 0 : input.modes.count;
-  how.omega_max = 2.0 * std::numbers::pi * input.modes.up_to;
-  if (input.modes.up_to > 0.0) how.accuracy = 0.5 * input.modes.accuracy;
-  how.effective_mass = input.modes.effective_mass;
+  ReductionOptions how = options_of(static_cast<const ReductionRequest&>(input));
   how.interface_modes = input.modes.interface_modes;
-  how.response_omegas = input.modes.response_omegas;
   how.certify = input.modes.certify;
   how.estimate_mesh = true;
-  how.stiffening = input.stiffening;
   how.team = options.team;
   how.storage.place =
       options.factor_in_file ? linalg::FactorStorage::Place::file : linalg::FactorStorage::Place::automatic;
@@ -48,25 +40,6 @@ std::vector<linalg::UserOption> petsc_of(const PartInput& input, const ReduceOpt
   std::vector<linalg::UserOption> petsc = input.petsc;
   petsc.insert(petsc.end(), options.petsc.begin(), options.petsc.end());
   return petsc;
-}
-
-void strike(const PartInput& input, Reduction& reduction, ReportData& data) {
-  if (input.modes.struck.empty()) return;
-  StruckModes struck;
-  try {
-    struck = strike_modes(reduction, input.modes.struck);
-  } catch (const std::invalid_argument& error) {
-    throw input::InputError(input.modes.where + ".strike_modes: " + error.what());
-  }
-  for (std::size_t k = 0; k < struck.frequencies.size(); ++k)
-    data.notes.push_back(
-        fmt::format("mode {} ({:.5g} Hz) is struck out", input.modes.struck[k], struck.frequencies[k]));
-  // Constraint modes are exact in statics; without all of them the interface is stiffer than it is.
-  if (struck.interface_stiffer > 1e-6)
-    data.warnings.push_back(
-        fmt::format("striking these modes out takes part of the constraint modes: the interfaces are up to "
-                    "{:.3g} % stiffer than the part is",
-                    100.0 * struck.interface_stiffer));
 }
 
 void add_comparison(const PartInput& input, const Part& part, const Reduction& reduction,
@@ -127,7 +100,7 @@ Reduced reduce(const PartInput& input, const ReduceOptions& options) {
   data.warnings = warnings;
   if (!done.missed.empty()) data.warnings.push_back(done.missed);
   if (reduction.dropped.size() > 0) data.errors = mode_errors(reduction);
-  strike(input, reduction, data);
+  strike_out(input, reduction, data.notes, data.warnings);
   add_comparison(input, part, reduction, options, data);
   data.mesh_error = reduction.mesh;
   for (const Material& material : part.materials)

@@ -24,16 +24,13 @@ struct SolidInput {
 /// Makes the reduced solid; its interfaces become nodes of the beam model.
 using AttachSolid = std::function<AttachedSolid(const SolidInput&)>;
 
-struct BeamPartInput {
-  std::string name;
-  std::string source;  ///< the file's text
+struct BeamPartInput : ReductionRequest {
   beam::Model model;
   std::vector<AttachedSolid> solids;
+  std::vector<NodeLink> links;
   beam::Subdivision subdivision;
   std::vector<BeamInterface> interfaces;
   std::vector<LoadCase> cases;
-  ModesInput modes;
-  bool stiffening = false;  ///< geometric stiffening terms
 };
 
 }  // namespace flexura::reduce

@@ -39,12 +39,12 @@ struct ModesInput {
   double up_to = 0.0;  ///< [Hz], 0 = by count
   double damping = 0.0;
   bool damping_given = false;  ///< by the user
-  // Solid parts only.
   ModeSet set = ModeSet::craig_bampton;
   double accuracy = 0.0, compliance_accuracy = 0.0, effective_mass = 0.0;  ///< 0: not asked for
   std::vector<double> response_omegas = {};                                ///< [rad/s]
-  InterfaceModesRequest interface_modes = {};
   std::vector<int> struck = {};
+  // Solid parts only.
+  InterfaceModesRequest interface_modes = {};
   bool certify = true;
   std::string where = {};
 };
@@ -90,10 +90,19 @@ struct RecoveryInput {
   std::string where;  ///< for messages
 };
 
-struct PartInput {
+/// What is kept of a part of any kind.
+struct ReductionRequest {
   std::string name;
   std::string source;  ///< the file's text
-  std::string where;   ///< the file, for messages
+  ModesInput modes;
+  DampingRule damping;
+  bool has_damping = false;
+  RecoveryInput recovery;
+  bool stiffening = false;  ///< geometric stiffening terms
+};
+
+struct PartInput : ReductionRequest {
+  std::string where;  ///< the file, for messages
   PartFormat format = PartFormat::cad;
   mesh::CadOptions cad;                       ///< path of any format; geometry and meshing of CAD parts
   double unit_length = 1.0, unit_mass = 1.0;  ///< of a mesh file, in SI
@@ -111,11 +120,6 @@ struct PartInput {
   std::vector<MassInput> masses;
   std::vector<LinkInput> links;
   std::vector<LoadInput> loads;
-  ModesInput modes;
-  DampingRule damping;
-  bool has_damping = false;
-  RecoveryInput recovery;
-  bool stiffening = false;                ///< geometric stiffening terms
   std::vector<linalg::UserOption> petsc;  ///< options of PETSc and SLEPc
 };
 

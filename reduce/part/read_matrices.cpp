@@ -179,12 +179,13 @@ NodalMatrices read_mass_matrix(const std::filesystem::path& mass, const mesh::Me
 
 NodalMatrices read_matrices(const std::filesystem::path& stiffness, const std::filesystem::path& mass,
                             const std::filesystem::path& damping, const mesh::Mesh& mesh) {
+  const Blocks K = read_blocks(stiffness, mesh);
   NodalMatrices out = read_mass_matrix(mass, mesh);
   std::map<std::array<mesh::Index, 2>, std::size_t> place;
   for (std::size_t k = 0; k < out.pairs.size(); ++k) place[out.pairs[k]] = k;
-  const auto take = [&](const std::filesystem::path& file, std::vector<Eigen::Matrix3d>& into) {
+  const auto take = [&](const Blocks& blocks, std::vector<Eigen::Matrix3d>& into) {
     into.resize(out.pairs.size(), Eigen::Matrix3d::Zero());
-    for (const auto& [pair, block] : read_blocks(file, mesh)) {
+    for (const auto& [pair, block] : blocks) {
       const auto [at, is_new] = place.emplace(pair, out.pairs.size());
       if (is_new) {
         out.pairs.push_back(pair);
@@ -193,12 +194,12 @@ NodalMatrices read_matrices(const std::filesystem::path& stiffness, const std::f
         into[at->second] = block;
       }
     }
-    for (std::vector<Eigen::Matrix3d>* blocks : {&out.K, &out.D})
-      if (!blocks->empty()) blocks->resize(out.pairs.size(), Eigen::Matrix3d::Zero());
+    for (std::vector<Eigen::Matrix3d>* list : {&out.K, &out.D})
+      if (!list->empty()) list->resize(out.pairs.size(), Eigen::Matrix3d::Zero());
     out.m.resize(out.pairs.size(), 0.0);
   };
-  take(stiffness, out.K);
-  if (!damping.empty()) take(damping, out.D);
+  take(K, out.K);
+  if (!damping.empty()) take(read_blocks(damping, mesh), out.D);
   return out;
 }
 

@@ -81,7 +81,7 @@ superelement::MeshError to_mesh_error(const MeshShare& share, const Part& part,
   return out;
 }
 
-superelement::Superelement to_superelement(const PartInput& input, Reduction&& reduction,
+superelement::Superelement to_superelement(const ReductionRequest& input, Reduction&& reduction,
                                            superelement::Surface&& surface, std::string report_json,
                                            std::vector<std::int32_t> stress_vertices) {
   superelement::Superelement se;

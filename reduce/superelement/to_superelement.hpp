@@ -11,7 +11,7 @@ namespace flexura::reduce {
 
 /// Copies a reduction into the struct that is written to the file.  `stress_vertices` are the places of its
 /// stress modes among the surface's vertices.
-superelement::Superelement to_superelement(const PartInput& input, Reduction&& reduction,
+superelement::Superelement to_superelement(const ReductionRequest& input, Reduction&& reduction,
                                            superelement::Surface&& surface, std::string report_json,
                                            std::vector<std::int32_t> stress_vertices = {});
 

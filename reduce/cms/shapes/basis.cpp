@@ -52,16 +52,6 @@ void add_shapes(const Part& part, const TiedModel& model, const TiedSolver& solv
                 linalg::EigenPairs& pairs, std::vector<StaticAnswer>& answers, ReductionReport& report) {
   const Index n_normal = pairs.omega2.size();
   ExtraShapes all;
-  const auto add = [&all, n = model.n_rows()](const ExtraShapes& some) {
-    const Index before = all.X.cols();
-    all.X.conservativeResize(n, before + some.X.cols());
-    all.X.rightCols(some.X.cols()) = some.X;
-    all.mass.conservativeResize(all.X.cols());
-    all.mass.tail(some.X.cols()) = some.mass;
-    all.energy.conservativeResize(all.X.cols());
-    all.energy.tail(some.X.cols()) = some.energy;
-    all.names.insert(all.names.end(), some.names.begin(), some.names.end());
-  };
   if (!options.response_omegas.empty()) {
     constexpr const char* kDirections[] = {"u_x", "u_y", "u_z", "theta_x", "theta_y", "theta_z"};
     std::vector<std::string> names;
@@ -69,14 +59,14 @@ void add_shapes(const Part& part, const TiedModel& model, const TiedSolver& solv
       for (const int d : model.numbering().directions(k))
         names.push_back(part.interfaces[k].name + "." + kDirections[d]);
     for (const double omega : options.response_omegas)
-      add(response_shapes(problem, pairs, Mhat, omega, names));
+      add_to(all, response_shapes(problem, pairs, Mhat, omega, names));
   }
   for (const LoadField& load : options.loads) {
     if (!load.keep_shape) continue;
     MatrixXd f_i, f_b;
     model.gather(nodal_forces(model.m(), model.n_nodes(), load), f_i, f_b);
     const MatrixXd u_i = solver.solve(f_i);
-    add(whole_shapes(problem, u_i, {"static answer to load " + load.name}));
+    add_to(all, whole_shapes(problem, u_i, {"static answer to load " + load.name}));
     answers.push_back({load.name, f_i, model.inner(f_i, u_i)(0, 0)});
   }
   if (all.names.empty()) return;

@@ -15,6 +15,17 @@ namespace flexura::reduce {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+void add_to(ExtraShapes& all, const ExtraShapes& more) {
+  const Index before = all.X.cols();
+  all.X.conservativeResize(more.X.rows(), before + more.X.cols());
+  all.X.rightCols(more.X.cols()) = more.X;
+  all.mass.conservativeResize(all.X.cols());
+  all.mass.tail(more.X.cols()) = more.mass;
+  all.energy.conservativeResize(all.X.cols());
+  all.energy.tail(more.X.cols()) = more.energy;
+  all.names.insert(all.names.end(), more.names.begin(), more.names.end());
+}
+
 ExtraShapes whole_shapes(const linalg::EigenProblem& problem, MatrixXd X, std::vector<std::string> names) {
   ExtraShapes out{.X = std::move(X), .mass = {}, .energy = {}, .names = std::move(names)};
   MatrixXd A_X;

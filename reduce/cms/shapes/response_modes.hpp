@@ -30,6 +30,9 @@ struct ExtraShapes {
   std::vector<std::string> names;
 };
 
+/// Those of both, side by side.
+void add_to(ExtraShapes& all, const ExtraShapes& more);
+
 /// The answers X (n_i x k) with their sizes.
 ExtraShapes whole_shapes(const linalg::EigenProblem& problem, Eigen::MatrixXd X,
                          std::vector<std::string> names);

@@ -185,6 +185,7 @@ StruckModes strike_modes(Reduction& r, const std::vector<int>& numbers) {
   CanonicalShapes shapes =
       canonical_shapes(Z.transpose() * r.K_se * Z, Z.transpose() * r.M_se * Z, Z.topRows(r.n_b));
   shapes.Y = (Z * shapes.Y).eval();
+  out.Y = shapes.Y;
   // Rigid motions are held alike before and after, so that both stiffnesses can be compared.
   const MatrixXd before = r.K_se.topLeftCorner(r.n_b, r.n_b);
   const MatrixXd R = modes.vectors.topLeftCorner(r.n_b, 6);

@@ -52,6 +52,7 @@ void change_shapes(Reduction& reduction, const CanonicalShapes& shapes);
 
 struct StruckModes {
   std::vector<double> frequencies;  ///< [Hz] of the modes that went
+  Eigen::MatrixXd Y;                ///< the shapes that are left, by those that were there
   double interface_stiffer = 0.0;   ///< greatest relative gain of the interface's static stiffness
 };
 
