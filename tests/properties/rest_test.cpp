@@ -72,7 +72,14 @@ TEST(Rest, DrivesThatFollowTheMotionStandWhereTheyAskForNothing) {
     Chance chance(static_cast<std::uint64_t>(seed) + 1);
     const double wanted = chance.either_sign(0.1, 2.0), start = chance.either_sign(0.1, 2.0),
                  k = chance.between(2.0, 30.0), d = chance.between(2.0, 10.0);
-    const bool of_speed = chance.flip(0.5);
+    const int kind = chance.below(4);
+    const std::string drives[] = {
+        fmt::format("drive_speed = \"{}*({} - c)\"\n[control.c]\ntype = \"filter\"\ninput = \"j.position\"\n"
+                    "time_constant = {}",
+                    k, wanted, 1.0 / (8.0 * k)),
+        fmt::format("drive_speed = \"{}*({} - j.position)\"", k, wanted),
+        fmt::format("drive_speed = \"{}*({:.17g} - sinh(j.position))\"", k, std::sinh(wanted)),
+        fmt::format("drive_acceleration = \"{}*({} - j.position) - {}*j.speed\"", k, wanted, d)};
     const std::string text = fmt::format(
         R"(
 [ground.marker.m]
@@ -89,13 +96,7 @@ to = "a.m"
 position = {}
 {}
 )",
-        chance.between(-1.0, 1.0), chance.between(0.1, 10.0), start,
-        of_speed
-            ? fmt::format(
-                  "drive_speed = \"{}*({} - c)\"\n[control.c]\ntype = \"filter\"\ninput = \"j.position\"\n"
-                  "time_constant = {}",
-                  k, wanted, 1.0 / (8.0 * k))
-            : fmt::format("drive_acceleration = \"{}*({} - j.position) - {}*j.speed\"", k, wanted, d));
+        chance.between(-1.0, 1.0), chance.between(0.1, 10.0), start, drives[kind]);
     mbs::PreparedMechanism p = mbs::prepare(folder.write("carriage.toml", text));
     ASSERT_NO_THROW(mbs::find_equilibrium(*p.mechanism, p.state)) << seed << text;
     EXPECT_NEAR(position(p, "j.position"), wanted, 1e-9) << seed << text;

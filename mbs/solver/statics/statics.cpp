@@ -198,9 +198,9 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     for (int i = 0; i < n_v; ++i) scale(i) = tangents.M(i, i) > 0.0 ? 1.0 / std::sqrt(tangents.M(i, i)) : 1.0;
     scale_rows();
     following.clear();
-    if (tangents.h_c.size() > 0) kinematics.multiply_T(tangents.h_p, h_q);
+    if (!of_speeds.empty()) kinematics.multiply_T(tangents.h_p, h_q);
     for (const int k : of_speeds)
-      if (tangents.h_c.size() > 0 && !(h_q.row(k).isZero(0.0) && tangents.h_c.row(k).isZero(0.0)))
+      if (!h_q.row(k).isZero(0.0) || (tangents.h_c.size() > 0 && !tangents.h_c.row(k).isZero(0.0)))
         following.push_back(k);
     residual(s, F);
     double sigma = 0.0;
@@ -230,7 +230,7 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     // A drive's speed by what it follows; rolling, and speeds that are given by time, hold the place that there is.
     for (const int k : following) {
       J.block(n_z + k, 0, 1, n_v) = h_q.row(k);
-      J.block(n_z + k, n_v, 1, n_c) = tangents.h_c.row(k);
+      if (tangents.h_c.size() > 0) J.block(n_z + k, n_v, 1, n_c) = tangents.h_c.row(k);
     }
     std::vector<int> held;
     if (!following.empty()) {
