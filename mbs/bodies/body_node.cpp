@@ -145,6 +145,55 @@ BodyNode rigidly_linked_node(const Superelement& se, const std::string& name,
   return node;
 }
 
+BodyNode beam_node(const Superelement& se, const std::string& name, int i, int j, const Vector3d& point) {
+  const superelement::Interface &from = se.interfaces.at(i), &to = se.interfaces.at(j);
+  for (const superelement::Interface* end : {&from, &to})
+    if (end->directions.size() + end->following.size() < 6)
+      throw std::invalid_argument(
+          fmt::format("interface \"{}\" does not keep all six directions, which the end of a beam has; keep "
+                      "them when the part is "
+                      "reduced",
+                      end->name));
+  const Vector3d between = to.p_BoN_B - from.p_BoN_B;
+  const double length = between.norm();
+  if (!(length > 0.0))
+    throw std::invalid_argument("its two interfaces are at one point; name two ends of a beam");
+  const Vector3d e = between / length;
+  const double x = e.dot(point - from.p_BoN_B) / length;
+  constexpr double kRoundOff = 1e-9;
+  if (x < -kRoundOff || x > 1.0 + kRoundOff)
+    throw std::invalid_argument(fmt::format(
+        "its position lies {:.4g} of the length beyond \"{}\"; give one between the two interfaces",
+        x < 0.0 ? -x : x - 1.0, x < 0.0 ? from.name : to.name));
+  // Values and slopes over length of Hermite's cubics.
+  const double x2 = x * x, x3 = x2 * x;
+  const double h[] = {1.0 - 3.0 * x2 + 2.0 * x3, length * (x - 2.0 * x2 + x3), 3.0 * x2 - 2.0 * x3,
+                      length * (x3 - x2)},
+               slope[] = {6.0 * (x2 - x) / length, 1.0 - 4.0 * x + 3.0 * x2, 6.0 * (x - x2) / length,
+                          3.0 * x2 - 2.0 * x};
+  const Matrix3d along = e * e.transpose(), across = Matrix3d::Identity() - along, turned = skew(e);
+  const MatrixXd a = superelement::interface_motion(se, from), b = superelement::interface_motion(se, to);
+  // The slope of the axis at an end is theta x e = -e x theta.
+  const auto cubic = [&](const double* f) -> MatrixXd {
+    return across * (f[0] * a.topRows<3>() + f[2] * b.topRows<3>()) -
+           turned * (f[1] * a.bottomRows<3>() + f[3] * b.bottomRows<3>());
+  };
+  BodyNode node{name, point, MatrixXd(6, se.n())};
+  node.rows.topRows<3>() = along * ((1.0 - x) * a.topRows<3>() + x * b.topRows<3>()) + cubic(h);
+  node.rows.bottomRows<3>() =
+      along * ((1.0 - x) * a.bottomRows<3>() + x * b.bottomRows<3>()) + turned * cubic(slope);
+  node.rows.topRows<3>() -= skew(point - from.p_BoN_B - x * between) * node.rows.bottomRows<3>();
+  return node;
+}
+
+BodyNode surface_node(const Superelement& se, const std::string& name, int vertex) {
+  BodyNode node{name, se.surface.vertices.row(vertex).transpose(), MatrixXd::Zero(6, se.n())};
+  node.is_on_interfaces = false;
+  if (se.shapes.rows() == 0) return node;
+  node.rows.topRows<3>() = se.shapes.middleRows(3 * static_cast<Index>(vertex), 3).cast<double>();
+  return node;
+}
+
 MatrixXd node_loads(const BodyNode& node, const Vector3d& offset) {
   // Torque t and force f at the offset: t + offset x f about the node.
   Matrix6d to_node = Matrix6d::Zero();  // rows: force, torque at the node; columns: torque, force

@@ -25,6 +25,9 @@
 ///   spreads over the places as forces that are statically equivalent to it: the transpose of the same map.
 /// - by a rigid link (RBE2), where the places are interfaces and move as one piece: the part of their motion
 ///   that no rigid motion gives is held at zero, ties^T u_se = 0.
+/// - as a point of a straight beam between two interfaces, by the element's own shape functions: stretch and twist
+///   linear along it, displacements across it by Hermite's cubics, and their slope.  So moves the axis of an
+///   Euler-Bernoulli beam that no load bends between them.
 namespace flexura::mbs {
 
 struct BodyNode {
@@ -57,6 +60,14 @@ BodyNode interpolated_node(const superelement::Superelement& se, const std::stri
 /// the node's motion.
 BodyNode rigidly_linked_node(const superelement::Superelement& se, const std::string& name,
                              const std::vector<int>& interfaces);
+
+/// At `point` (in B), carried along by the axis between the interfaces i and j.  Throws std::invalid_argument where the point
+/// does not lie between them or one of them does not keep all six directions.
+BodyNode beam_node(const superelement::Superelement& se, const std::string& name, int i, int j,
+                   const Vector3d& point);
+
+/// At a vertex of the surface, with its displacement and, as it has no other, the turn of the body's frame.
+BodyNode surface_node(const superelement::Superelement& se, const std::string& name, int vertex);
 
 /// n_se x 6: the loads p_se of unit wrenches (torque, then force, in B's axes) about the point `offset` from
 /// the node.

@@ -76,16 +76,22 @@ std::vector<input::Key> linked_marker_keys() {
           "instead of on: places on the surface of a superelement with pictures, in the body's frame; the "
           "nodes nearest to "
           "them carry the marker, beside those of nodes; loads on it have no geometric stiffening in the "
-          "superelement, so modal-stiffened refuses them"),
+          "superelement, so modal-stiffened refuses them. A single point takes the displacement of its node "
+          "alone and turns "
+          "with the body's frame: for forces and positions"),
       quantity("within", dim::length,
                "instead of on: all nodes of the surface that lie so near to position carry the marker")
           .above(0.0),
       quantities("weights", dim::none, "of nodes, then of points; without it all equal"),
-      choice("link", {"average", "rigid"},
+      choice("link", {"average", "rigid", "beam"},
              "how several nodes carry the marker: average (interpolation, RBE3): it moves by their mean and "
              "turns by the rotation that fits their displacements best, and its loads spread over them as "
              "forces, the body as soft as it is; rigid (RBE2): the interfaces in nodes move as one rigid "
-             "piece, the body is stiffer by that")
+             "piece, the body is stiffer by that; beam: the marker sits at its position between two "
+             "interfaces of a "
+             "straight beam and moves by the shape functions of its element, stretch and twist linear, "
+             "across it cubic, "
+             "which is exact where no load bends the beam between them")
           .or_default("average"),
   };
 }
@@ -122,7 +128,11 @@ BodyNode read_linked_node(const Section& m, const std::string& name, const super
       m.refuse("nodes", fmt::format("names \"{}\" twice", interface), "name each interface once");
     places.interfaces.push_back(i);
   }
-  const bool is_rigid = m.text("link") == "rigid";
+  const bool is_rigid = m.text("link") == "rigid", is_beam = m.text("link") == "beam";
+  if (is_beam &&
+      (places.interfaces.size() != 2 || follows_surface(m) || m.has("weights") || !m.has("position")))
+    m.refuse("link", "a beam is two interfaces, and the marker has a position between them",
+             "give nodes = [\"A\", \"B\"] and position alone");
   if (follows_surface(m)) {
     const char* key = m.has("points") ? "points" : "within";
     if (is_rigid)
@@ -151,6 +161,10 @@ BodyNode read_linked_node(const Section& m, const std::string& name, const super
     BodyNode node;
     if (!deforms)
       node = {name, centre_of(se, places), {}};
+    else if (is_beam)
+      node = beam_node(se, name, places.interfaces[0], places.interfaces[1], m.vector3("position"));
+    else if (places.interfaces.empty() && places.vertices.size() == 1)
+      node = surface_node(se, name, places.vertices[0]);
     else if (is_rigid)
       node = rigidly_linked_node(se, name, places.interfaces);
     else

@@ -1,11 +1,14 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <gmock/gmock.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <numeric>
 
 #include "mbs/bodies/body_node.hpp"
 #include "mbs/bodies/modal_basis.hpp"
+#include "tests/mbs/flexible/beam_superelement.hpp"
 #include "tests/mbs/model/checks.hpp"
 #include "tests/mbs/model/lattice.hpp"
 #include "tests/mbs/test_folder.hpp"
@@ -114,6 +117,47 @@ TEST(InterpolatedNode, NeedsThreePlacesThatAreNotOnALine) {
               HasSubstr("its 2 places determine 5 of its six motions; give at least"));
   EXPECT_THAT(refusal({{}, {0, 6, 12}, {}}), HasSubstr("its 3 places determine 5"));  // i runs along a line
   EXPECT_THAT(refusal({{}, {4}, {}}), HasSubstr("its 1 places determine 3"));
+}
+
+// Between the ends of a beam that nothing else loads, the cubic is the beam's own: as an interface there moves in the finite-element
+// model.  A marker beside the axis moves rigidly with its section.
+TEST(BeamNode, MovesAsTheBeamBetweenItsEnds) {
+  Random random(5);
+  beams::StraightBeam b;
+  b.EA = 7e3, b.GI_t = 3.0, b.EI_y = 5.0, b.EI_z = 11.0, b.length = 1.3;
+  b.elements = 12, b.between = 2;
+  const superelement::Superelement se = beams::beam_superelement(b);
+  const auto place = [&](const char* name) {
+    return static_cast<int>(std::ranges::find(se.interfaces, name, &superelement::Interface::name) -
+                            se.interfaces.begin());
+  };
+  const int root = place("root"), tip = place("tip");
+  for (int trial = 0; trial < 50; ++trial) {
+    // Any motion of the ends; what lies between follows without load.
+    VectorXd u = VectorXd::Zero(se.n());
+    std::vector<int> given, open;
+    for (int i = 0; i < se.n(); ++i) {
+      const int r = i - se.interfaces[root].first_dof, t = i - se.interfaces[tip].first_dof;
+      ((r >= 0 && r < 6) || (t >= 0 && t < 6) ? given : open).push_back(i);
+    }
+    for (const int i : given) u(i) = random.vector3().x();
+    const MatrixXd K = se.K_se(open, open);
+    u(open) = -K.ldlt().solve(se.K_se(open, given) * u(given));
+    for (const char* name : {"p1", "p2"}) {
+      const BodyNode at = interface_node(se, place(name));
+      const BodyNode node = beam_node(se, "m", root, tip, at.p_BoN_B);
+      // Round-off of a stiffness matrix whose entries differ by 1e4.
+      EXPECT_LT((node.rows * u - at.rows * u).norm(), 1e-9) << name;
+      const Vector3d beside = at.p_BoN_B + Vector3d(0, 0.1, -0.2);
+      const BodyNode off = beam_node(se, "m", root, tip, beside);
+      const Vector3d turn = (at.rows * u).tail<3>();
+      EXPECT_LT(
+          (off.rows.topRows<3>() * u - (at.rows * u).head<3>() - turn.cross(Vector3d(0, 0.1, -0.2))).norm(),
+          1e-9);
+    }
+  }
+  EXPECT_THROW(beam_node(se, "m", root, tip, Vector3d(1.5, 0, 0)), std::invalid_argument);
+  EXPECT_THROW(beam_node(se, "m", root, root, Vector3d::Zero()), std::invalid_argument);
 }
 
 TEST(RigidLink, IsTheConstrainedEigenvalueProblem) {
