@@ -32,6 +32,7 @@ std::string words_of(const std::string& kind, const std::string& names) {
   if (kind == "link") return "rigid link of " + names;
   if (kind == "inertia") return "deformation by centrifugal and Coriolis forces of " + names;
   if (kind == "stiffening") return "geometric stiffening of " + names;
+  if (kind == "dead_point") return "speeds and forces in rows next to a dead point";
   if (kind == "switch") return "switching of " + names;
   return "user element " + names;
 }

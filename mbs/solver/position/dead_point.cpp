@@ -259,8 +259,7 @@ std::string near_rank_loss(const Equations& eq, const LoopCloser::Nearness& near
   const double sigma = nearness.least;
   if (nearness.p.size() == 0 || !nearness.p.allFinite()) return {};
   if (!(sigma < kComesNear * nearness.largest)) return {};
-  // Positions are sums of some terms of the mechanism's size.
-  const double doubt = (misfit + 4.0 * std::numeric_limits<double>::epsilon()) / (sigma * sigma);
+  const double doubt = std::max(nearness.doubt, misfit / (sigma * sigma));
   if (!(doubt > 10.0 * tolerance)) return {};
   std::string which = "rows";
   const Sizes n = eq.sizes();

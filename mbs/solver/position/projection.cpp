@@ -56,6 +56,9 @@ bool Projector::project(State& s) {
   return s.p.allFinite() && s.v.allFinite();
 }
 
+// What closed loops may be open by, in parts of what a typical motion changes in a row.
+constexpr double kRoundOff = 1e-11;
+
 LoopCloser::LoopCloser(const Equations& eq, const SolverOptions& options)
     : eq_(eq),
       n_(eq.sizes()),
@@ -66,7 +69,7 @@ LoopCloser::LoopCloser(const Equations& eq, const SolverOptions& options)
   if (n_.n_lambda == 0) return;
   M_.setZero(n_.n_v, n_.n_v);
   G_.setZero(n_.n_lambda, n_.n_v);
-  for (Eigen::VectorXd* x : {&g_, &g_dot_, &round_off_}) x->setZero(n_.n_lambda);
+  for (Eigen::VectorXd* x : {&g_, &g_dot_, &round_off_, &longest_}) x->setZero(n_.n_lambda);
   rest_.setZero(n_.n_v);
   p_.setZero(n_.n_p);
   at_factors_.p.setZero(n_.n_p);
@@ -85,15 +88,45 @@ void LoopCloser::factor(const State& s) {
   eq_.mass_matrix(s.p, *scratch_, M_);
   eq_.constraint_matrix(s, s.p, *scratch_, G_);
   saddle_.factor(eq_, M_, G_);
-  for (int k = 0; k < n_.n_lambda; ++k) round_off_(k) = 1e-11 * G_.row(k).cwiseAbs().dot(scale_.transpose());
+  for (int k = 0; k < n_.n_lambda; ++k)
+    round_off_(k) = kRoundOff * G_.row(k).cwiseAbs().dot(scale_.transpose());
   has_factors_ = true;
-  const double independence = saddle_.independence();
+  for (int k = 0; k < n_.n_lambda; ++k)
+    if (const double scale = saddle_.row_scale()(k); scale > 0.0)
+      longest_(k) = std::max(longest_(k), 1.0 / scale);
+  const double independence = independence_of(saddle_);
   nearness_.largest = std::max(nearness_.largest, independence);
-  if (independence < nearness_.least) {
-    nearness_.least = independence;
-    nearness_.t = s.t;
-    nearness_.p = s.p;
+  nearness_.least = std::min(nearness_.least, independence);
+}
+
+// A row that vanishes (all that it joins in one line) is as bad as two that become parallel.
+double LoopCloser::independence_of(const SaddleSolver& saddle) const {
+  double shortest = 1.0;
+  for (int k = 0; k < n_.n_lambda; ++k) {
+    const double scale = saddle.row_scale()(k);
+    shortest = std::min(shortest, scale > 0.0 ? 1.0 / (scale * longest_(k)) : 0.0);
   }
+  return shortest * saddle.independence();
+}
+
+// By factors of its own: loops close better by those from before a dead point. Positions are sums of some terms of the mechanism's
+// size.
+void LoopCloser::note_doubt(const State& s, bool is_shown) {
+  eq_.mass_matrix(s.p, *scratch_, M_);
+  eq_.constraint_matrix(s, s.p, *scratch_, G_);
+  beside_.factor(eq_, M_, G_);
+  const double independence = independence_of(beside_),
+               open =
+                   std::max(4.0 * std::numeric_limits<double>::epsilon(), kRoundOff * residuals(s).position),
+               doubt = open / (independence * independence);
+  nearness_.least = std::min(nearness_.least, independence);
+  constexpr double kBeside = 0.01;
+  is_beside_dead_point_ = independence < kBeside * nearness_.largest;
+  if (!is_shown) nearness_.doubt_between = std::max(nearness_.doubt_between, doubt);
+  if (!is_shown || !(doubt > nearness_.doubt)) return;
+  nearness_.doubt = doubt;
+  nearness_.t = s.t;
+  nearness_.p = s.p;
 }
 
 // In units of round-off, which grows with the speeds for those on velocity level.
@@ -158,7 +191,7 @@ LoopCloser::Drift LoopCloser::drift(const State& s) {
   return drift_;
 }
 
-LoopCloser::Drift LoopCloser::close(State& s) {
+LoopCloser::Drift LoopCloser::close(State& s, bool is_shown) {
   if (n_.n_lambda == 0) return {};
   // Newton's method takes nine tenths of g away at once: the nearest point on the constraints is this one.
   bool is_near = false, is_closed = false;
@@ -179,6 +212,13 @@ LoopCloser::Drift LoopCloser::close(State& s) {
     residuals(s);
   }
   is_closed_ = is_closed;
+  is_beside_dead_point_ = false;
+  constexpr double kNear = 0.1;
+  if (!is_closed || independence_of(saddle_) < kNear * nearness_.largest) {
+    const Drift drift = drift_;
+    note_doubt(s, is_shown);
+    drift_ = drift;
+  }
   return drift_;
 }
 
@@ -228,8 +268,11 @@ void LoopCloser::remember(History& history) {
   history(at_factors_.t);
   mbs::remember(history, at_factors_.p, n_.n_p);
   mbs::remember(history, at_factors_.c, n_.n_dyn);
-  for (double* x : {&nearness_.least, &nearness_.largest, &nearness_.t}) history(*x);
+  for (double* x :
+       {&nearness_.least, &nearness_.largest, &nearness_.doubt, &nearness_.doubt_between, &nearness_.t})
+    history(*x);
   history(nearness_.p);
+  mbs::remember(history, longest_, n_.n_lambda);
   if (history.reads() && nearness_.p.size() > 0) require_size(nearness_.p.size(), n_.n_p);
   if (history.reads() && has_factors_) factor(State(at_factors_));
 }

@@ -47,8 +47,12 @@ class LoopCloser {
   /// How near the rows came to depending on each other, see SaddleSolver::independence().
   struct Nearness {
     double least = 1.0, largest = 0.0;
-    double t = 0.0;     ///< of the least
-    Eigen::VectorXd p;  ///< there
+    /// The largest of |g| left open, in parts of the mechanism's size, over independence^2: what it may change speeds and
+    /// forces by, in parts of themselves.
+    double doubt = 0.0;
+    double doubt_between = 0.0;  ///< of states that the energy account alone sees
+    double t = 0.0;              ///< of the largest doubt
+    Eigen::VectorXd p;           ///< there
   };
 
   LoopCloser(const Equations& eq, const SolverOptions& options);
@@ -57,7 +61,8 @@ class LoopCloser {
   /// well, of a switch or of the end of a run.  Leaves s as it was where Newton's method takes less than nine
   /// tenths of g away at once and positions would change by more than ten times the error allowed in a step:
   /// near a dead point, where the residual says little about the distance.  Returns what is left open.
-  Drift close(State& s);
+  /// `is_shown`: as a row, not to the energy account alone.
+  Drift close(State& s, bool is_shown = true);
   /// The same of s as it is.
   Drift drift(const State& s);
   /// After close(): accelerations and multipliers that belong to the state, by the same factorisation, in
@@ -65,10 +70,15 @@ class LoopCloser {
   /// orders less accurate than its positions.  Where the loops did not close they are those of the state as it
   /// stands.  Leaves them as they are where the equations cannot be solved: the integrator will say so.
   void accelerate(State& s, Eigen::VectorXd& v_dot);
-  /// Of all states given to close() and accelerate() so far, but for those that old factors served well.
+  /// Of the last close(): rows nearly lose rank there, so that the nearest closed state may be far.
+  bool is_beside_dead_point() const { return is_beside_dead_point_; }
+  /// Of all states given to close() so far.
   const Nearness& nearness() const { return nearness_; }
   /// Of rows that are others now.
-  void forget_factors() { has_factors_ = false; }
+  void forget_factors() {
+    has_factors_ = false;
+    longest_.setZero();
+  }
   /// Where the factorisation was made, so that a continued run repeats the unbroken one to the bit.
   void remember(History& history);
 
@@ -79,6 +89,8 @@ class LoopCloser {
     bool closed() const { return larger() <= 1.0; }
   };
   void factor(const State& s);
+  double independence_of(const SaddleSolver& saddle) const;
+  void note_doubt(const State& s, bool is_shown);
   Residuals residuals(const State& s);
   void correct_position(State& s);
   void correct_velocity(State& s);
@@ -88,17 +100,19 @@ class LoopCloser {
   Sizes n_;
   std::unique_ptr<Equations::Scratch> scratch_;
   ErrorWeights weights_;
-  SaddleSolver saddle_;
+  SaddleSolver saddle_, beside_;
   AccelerationSolver accelerations_;
   double
       enough_;  // what accelerations may lack, relative: 1e-4 of the tolerance, between round-off and 1e-10
-  bool has_factors_ = false, is_closed_ = true;  // the latter of the last close()
-  State at_factors_;                             // t, p and c
-  Drift drift_;                                  // at the last residuals()
+  bool has_factors_ = false, is_closed_ = true,
+       is_beside_dead_point_ = false;  // the latter two of the last close()
+  State at_factors_;                   // t, p and c
+  Drift drift_;                        // at the last residuals()
   Nearness nearness_;
   State trial_;
   Eigen::MatrixXd M_, G_;
-  Eigen::VectorXd g_, g_dot_, round_off_, rest_, d_, x_, p_, scale_, w_, change_, v_dot_0_;
+  Eigen::VectorXd g_, g_dot_, round_off_, rest_, d_, x_, p_, scale_, w_, change_, v_dot_0_,
+      longest_;  // of each row so far, in units of the coordinates' inertia
 };
 
 }  // namespace flexura::mbs

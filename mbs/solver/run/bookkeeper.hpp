@@ -53,6 +53,8 @@ class Bookkeeper {
   void drain_what_can_be() noexcept;
 
   EnergyBook& book() { return book_; }
+  /// Of what was drained: GrowthWatch::suspicion().
+  std::string suspected_growth() const { return growth_.suspicion(); }
   LoopCloser& closer() { return closer_; }
   const Peaks& peaks() const { return peaks_; }
   const RowWatch& watch() const { return watch_; }

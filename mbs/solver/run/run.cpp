@@ -312,6 +312,8 @@ RunResult Runner::run() {
   if (keeps_book_ && !is_lock_)
     result_.near_rank_loss =
         near_rank_loss(eq_, books_.closer().nearness(), books_.watch().misfit(), options_.tolerance);
+  result_.doubt_of_energy =
+      std::max(books_.closer().nearness().doubt, books_.closer().nearness().doubt_between);
   result_.largest_energy_error = std::max(before_.largest_energy_error, peaks.energy_error);
   result_.peak_position_drift = std::max(before_.peak_position_drift, peaks.drift.position);
   result_.peak_velocity_drift = std::max(before_.peak_velocity_drift, peaks.drift.velocity);
