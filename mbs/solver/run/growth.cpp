@@ -57,12 +57,23 @@ void GrowthWatch::pass(double t, double energy, double travel) {
   const Decade &first = decades_.front(), &middle = decades_[kDecades / 2], &last = decades_.back();
   if (last.row - first.row < kRows || !(travel > kTravel) || !(travel > 1e3 * first.travel)) return;
   if (last.t - middle.t > kSlower * (middle.t - first.t)) return;
-  reason_ = fmt::format(
+  reason_ = since(kDecades, energy);
+}
+
+std::string GrowthWatch::since(std::size_t decades, double energy) const {
+  const Decade &first = decades_[decades_.size() - 1 - decades], &last = decades_.back();
+  return fmt::format(
       "the motion grows without bound: since t = {:.6g} s its kinetic energy has grown tenfold every {:.3g} "
       "s, to {:.3g} "
       "J at t = {:.6g} s; look for an unstable control, a damper of negative sign or a force that has no "
       "bound",
-      first.t, (last.t - first.t) / static_cast<double>(kDecades), energy, last.t);
+      first.t, (last.t - first.t) / static_cast<double>(decades), energy, last.t);
+}
+
+std::string GrowthWatch::suspicion() const {
+  constexpr std::size_t kFewer = 6;
+  if (!reason_.empty() || decades_.size() <= kFewer) return reason_;
+  return decades_.back().travel > kTravel ? since(kFewer, highest_) : "";
 }
 
 }  // namespace flexura::mbs

@@ -25,6 +25,8 @@ class GrowthWatch {
 
   /// Why the motion is no result any more; empty where it is one.
   const std::string& reason() const { return reason_; }
+  /// Of a run that goes on no further: what it says where the energy grew tenfold six times, too few to be sure; else empty.
+  std::string suspicion() const;
 
  private:
   struct Decade {
@@ -33,6 +35,7 @@ class GrowthWatch {
     double travel = 0.0;
   };
   void pass(double t, double energy, double travel);
+  std::string since(std::size_t decades, double energy) const;
 
   double t_before_ = 0.0, highest_ = 0.0;
   long row_ = 0;

@@ -86,7 +86,10 @@ void Runner::prefer_method_for_events() {
 }
 
 // The windows of steps that just crept: soon where rows lose rank there, else when nothing has changed for a while.
-void Runner::refuse_creeping() const {
+void Runner::refuse_creeping() {
+  // Steps shorten without end where a motion grows without bound.
+  books_.drain();
+  if (const std::string growth = books_.suspected_growth(); !growth.empty()) throw IntegrationError(growth);
   constexpr int kEnough = 16;
   const State& s = result_.state;
   const int windows = pace_watch_.windows();

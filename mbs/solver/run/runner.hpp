@@ -123,7 +123,7 @@ class Runner {
   bool start_again(State& s, Eigen::VectorXd& v_dot);
   void watch_method();
   void prefer_method_for_events();
-  void refuse_creeping() const;
+  void refuse_creeping();
   bool change_after(const IntegrationError& reason);
   void change_method(const std::string& method, const std::string& why);
   void remember_own(History& history);
