@@ -28,6 +28,7 @@
 #include "reduce/cms/team_reduction.hpp"
 #include "reduce/file/beam_file.hpp"
 #include "reduce/file/flexdata_file.hpp"
+#include "reduce/file/foreign_formats.hpp"
 #include "reduce/file/part_file.hpp"
 #include "reduce/linalg/dense/blas_threads.hpp"
 #include "reduce/linalg/petsc/team.hpp"
@@ -162,10 +163,9 @@ int reduce_with(const Arguments& arguments, const terminal::Verbosity& verbosity
     throw input::InputError(
         "--html is the picture of --list-faces: give that too; the page of a superelement is "
         "written by flexura modes --html");
-  std::string ending = std::filesystem::path(arguments.input).extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (ending == ".step" || ending == ".stp" || ending == ".iges" || ending == ".igs" || ending == ".brep" ||
-      ending == ".stl")
+  if (const std::string what = reduce::foreign_format(arguments.input); !what.empty())
+    throw input::InputError(fmt::format("{}: {}", arguments.input, what));
+  if (reduce::is_cad_ending(reduce::ending_of(arguments.input)))
     throw input::InputError(fmt::format(
         "{}: is a CAD file, a part file (.toml) that names it is wanted; --list-faces lists what its "
         "interfaces can be chosen from, --schema the part file's keys",

@@ -8,6 +8,7 @@
 #include <map>
 #include <sstream>
 
+#include "reduce/file/foreign_formats.hpp"
 #include "reduce/file/part_modes.hpp"
 
 namespace flexura::reduce {
@@ -74,15 +75,22 @@ void read_units(const Section& geometry, PartInput& part) {
   part.mass_unit_known = geometry.has("mass_unit") || !mass.empty();
 }
 
-PartFormat format_of(const std::filesystem::path& path) {
-  std::string end = path.extension().string();
-  for (char& c : end) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+PartFormat format_of(const Section& geometry) {
+  const std::filesystem::path path = geometry.file("file");
+  const std::string end = ending_of(path);
   if (end == ".msh") return PartFormat::gmsh;
   if (end == ".inp") return PartFormat::abaqus;
   if (end == ".bdf" || end == ".dat" || end == ".nas") return PartFormat::nastran;
   if (end == ".unv") return PartFormat::unv;
   if (end == ".csv" || end == ".txt") return PartFormat::nodes;
-  return PartFormat::cad;
+  if (is_cad_ending(end)) return PartFormat::cad;
+  const std::string what = foreign_format(path);
+  geometry.refuse(
+      "file", what.empty() ? "is a kind of file that is not known here" : what,
+      what.empty()
+          ? "known are CAD (.step, .iges, .brep, .stl), decks and meshes (.inp, .bdf, .dat, .nas, .msh, "
+            ".unv) and nodes of matrices (.csv, .txt)"
+          : "");
 }
 
 mesh::CadOptions read_cad(const Section& geometry, const Section& mesh) {
@@ -263,7 +271,7 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
   part.where = in.where();
   const Section geometry = in.table("geometry"), meshing = in.table("mesh");
   part.cad = read_cad(geometry, meshing);
-  part.format = format_of(part.cad.path);
+  part.format = format_of(geometry);
   part.formulation =
       meshing.text("formulation") == "enhanced" ? Formulation::enhanced : Formulation::standard;
   read_units(geometry, part);

@@ -181,6 +181,21 @@ TEST_F(Flexura, BadInputIsRefusedInOneLineWithCode2) {
   const auto cad = folder_ / "rod.step", results = folder_ / "refused.h5";
   std::ofstream(cad) << "ISO-10303-21;";
   refused("reduce " + cad.string(), "is a CAD file, a part file (.toml) that names it is wanted");
+  // What other programs write is named, and never answered as a CAD file.
+  const std::pair<const char*, const char*> foreign[] = {
+      {"body.mnf", "is a modal neutral file of Adams"},
+      {"body.h3d", "is an Altair H3D file"},
+      {"body.op2", "is a results file of Nastran"},
+      {"body.rst", "is a binary file of Ansys"},
+      {"body.sldprt", "export the part as STEP"},
+      {"body.xyz", "is a kind of file that is not known here"}};
+  for (const auto& [name, says] : foreign) {
+    std::ofstream(folder_ / name) << "binary";
+    std::ofstream(folder_ / "part.toml") << "[geometry]\nfile = \"" << name << "\"\n[material.s]\n"
+                                         << "young = \"1 GPa\"\npoisson = 0.3\ndensity = 1000\n";
+    refused("reduce " + (folder_ / "part.toml").string(), says);
+    if (std::string(name) != "body.xyz") refused("reduce " + (folder_ / name).string(), says);
+  }
   refused(
       "simulate " FLEXURA_SOURCE_DIR "/cases/macpherson/macpherson.toml --accuracy much -o " +
           results.string(),
