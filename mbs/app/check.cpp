@@ -181,31 +181,32 @@ int check_superelement(const std::string& file, bool json, const terminal::Verbo
 }  // namespace
 
 terminal::Command check_command() {
-  return {
-      "check", "validate a superelement or a mechanism and say what it holds",
-      [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
-        struct Arguments : MechanismArguments {
-          bool json = false;
-        };
-        auto a = std::make_shared<Arguments>();
-        options.argument("FILE", a->file, "superelement file (.h5) or mechanism file (.toml)");
-        declare_choices(options, *a);
-        options.flag("--json", a->json, "print JSON")
-            .example("flexura check conrod.se.h5",
-                     "checksums, symmetry, rigid motions, mass; interfaces and figures")
-            .example("flexura check engine.toml --run flexible --set body.rod.fidelity=auto",
-                     "one run, with a key of the file replaced")
-            .example("flexura check engine.toml --json",
-                     "counts, joints and states of each run, for scripts");
-        return [a, &verbosity] {
-          if (a->file.ends_with(".toml")) return check_mechanism(*a, a->json, verbosity);
-          if (!a->set.empty() || !a->runs.empty() || !a->from_state.empty() || !a->cache.empty())
-            throw std::invalid_argument(fmt::format(
-                "{}: --set, --run, --from-state and --cache are for mechanism files (.toml); leave them out",
-                a->file));
-          return check_superelement(a->file, a->json, verbosity);
-        };
-      }};
+  return {"check", "validate a superelement or a mechanism and say what it holds",
+          [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
+            struct Arguments : MechanismArguments {
+              bool json = false;
+            };
+            auto a = std::make_shared<Arguments>();
+            options.argument("FILE", a->file, "superelement file (.h5) or mechanism file (.toml)");
+            declare_choices(options, *a);
+            options.flag("--json", a->json, "print JSON")
+                .example("flexura check conrod.se.h5",
+                         "checksums, symmetry, rigid motions, mass; interfaces and figures")
+                .example("flexura check engine.toml --run flexible --set body.rod.fidelity=auto",
+                         "one run, with a key of the file replaced")
+                .example("flexura check engine.toml --json",
+                         "counts, joints and states of each run, for scripts");
+            return [a, &verbosity] {
+              if (a->file.ends_with(".toml")) return check_mechanism(*a, a->json, verbosity);
+              if (!a->set.empty() || !a->runs.empty() || !a->state.empty() || !a->from_state.empty() ||
+                  !a->cache.empty())
+                throw std::invalid_argument(
+                    fmt::format("{}: --set, --run, --state, --from-state and --cache are for mechanism files "
+                                "(.toml); leave them out",
+                                a->file));
+              return check_superelement(a->file, a->json, verbosity);
+            };
+          }};
 }
 
 }  // namespace flexura::app

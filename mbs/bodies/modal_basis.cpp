@@ -2,10 +2,14 @@
 #include "mbs/bodies/modal_basis.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 
 #include "mbs/bodies/modal_problem.hpp"
@@ -130,10 +134,29 @@ class Preparation {
     ModesWithin damped;  ///< whose ratios a damping law gives; C empty: the basis itself
   };
 
-  /// So many of the eigenmodes, with response modes or without.
-  Basis basis(const ModeSet& eigenmodes, int kept, bool responses) {
+  /// The number of eigenmodes, lowest first, that hold `share` of the mass and inertia of all of them in every held
+  /// direction: of the sums of (phi^T M_se r)^2 over the modes, r the rigid motion along that direction alone.
+  int count_by_effective_mass(const ModeSet& eigenmodes, double share) {
+    const MatrixXd R = superelement::rigid_motions(se_), Phi = problem().to_coordinates(eigenmodes.Y);
+    const MatrixXd along = options_.held.transpose() * R;
+    const MatrixXd r = R * along.completeOrthogonalDecomposition().pseudoInverse();
+    const MatrixXd shares = (Phi.transpose() * se_.M_se * r).cwiseAbs2();
+    const VectorXd all = shares.colwise().sum();
+    VectorXd held = VectorXd::Zero(all.size());
+    // A direction in which the interior does not resist is round-off of the others.
+    constexpr double kNothing = 1e-12;
+    int count = 0;
+    for (; count < shares.rows(); ++count) {
+      if (((held - share * all).array() >= -kNothing * all.maxCoeff()).all()) break;
+      held += shares.row(count).transpose();
+    }
+    return count;
+  }
+
+  /// These of the eigenmodes, with response modes or without.
+  Basis basis(const ModeSet& eigenmodes, const std::vector<int>& kept, bool responses) {
     input::ContentHash hash;
-    hash.add(eigenmodes_key_).add(fmt::format("{} {}", kept, options_.fixed_interface));
+    hash.add(eigenmodes_key_).add(fmt::format("{} {}", fmt::join(kept, ","), options_.fixed_interface));
     add_to(hash, options_.frame);
     if (responses) hash.add(responses_key());
     basis_key_ = hash.hex();
@@ -203,18 +226,19 @@ class Preparation {
     return add_to(hash, options_.loads).hex();
   }
 
-  Basis make_basis(const ModeSet& eigenmodes, int kept, bool responses) {
+  Basis make_basis(const ModeSet& eigenmodes, const std::vector<int>& kept, bool responses) {
     const Index n_loads = responses ? options_.loads.cols() : 0;
     const bool free_eigenmodes_alone =
         options_.held.cols() == 0 && !responses && options_.fixed_interface < 0 && options_.frame.cols() == 0;
     Basis out;
     ModeSet& modes = out.modes;
     if (free_eigenmodes_alone) {
-      modes = {eigenmodes.Y.leftCols(kept), eigenmodes.omega2.head(kept)};
+      modes = {eigenmodes.Y(Eigen::all, kept), eigenmodes.omega2(kept)};
       out.damped.omega2 = modes.omega2;
     } else {
-      MatrixXd S(se_.n(), kept + n_loads);
-      S.leftCols(kept) = eigenmodes.Y.leftCols(kept);
+      const auto n_kept = static_cast<Index>(kept.size());
+      MatrixXd S(se_.n(), n_kept + n_loads);
+      S.leftCols(n_kept) = eigenmodes.Y(Eigen::all, kept);
       if (responses)
         S.rightCols(n_loads) =
             cache_
@@ -290,6 +314,35 @@ void set_damping(const superelement::Superelement& se, const DampingLaw& law, co
   if (couples) data.damping_coupling = std::move(D);
 }
 
+// Places of the eigenmodes to keep, ascending.  Motions without strain are no approximation's to leave out.
+std::vector<int> chosen_modes(Preparation& steps, const ModeSet& eigenmodes, const BasisOptions& options) {
+  const int available = static_cast<int>(eigenmodes.omega2.size());
+  int strainless = 0;
+  while (strainless < available && eigenmodes.omega2(strainless) == 0.0) ++strainless;
+  std::vector<int> chosen(static_cast<std::size_t>(strainless));
+  std::iota(chosen.begin(), chosen.end(), 0);
+  if (!options.numbers.empty() && options.numbers.back() > available - strainless)
+    throw BasisError(
+        "modes", fmt::format("there is no eigenmode {}: the body has {} under its boundary condition; name "
+                             "some of these",
+                             options.numbers.back(), available - strainless));
+  if (options.effective_mass > 0.0 && options.held.cols() == 0)
+    throw BasisError(
+        "effective_mass",
+        "modes of the free body carry no mass of a motion of their supports; hold them by a joint "
+        "(boundary = \"joint\")");
+  const int most =
+      options.effective_mass > 0.0
+          ? std::min(options.modes, steps.count_by_effective_mass(eigenmodes, options.effective_mass))
+          : options.modes;
+  for (int i = strainless; i < available; ++i) {
+    const bool is_wanted =
+        options.numbers.empty() ? i < most : std::ranges::binary_search(options.numbers, i - strainless + 1);
+    if (is_wanted && hz(eigenmodes.omega2(i)) <= options.max_frequency) chosen.push_back(i);
+  }
+  return chosen;
+}
+
 }  // namespace
 
 ModalData modal_data(const superelement::Superelement& se, const BasisOptions& options, BasisReport* report,
@@ -304,12 +357,10 @@ ModalData modal_data(const superelement::Superelement& se, const BasisOptions& o
   Preparation steps(se, options, cache ? *cache : own);
   const ModeSet eigenmodes = steps.eigenmodes();
   const int available = static_cast<int>(eigenmodes.omega2.size());
-  int kept = 0;
-  // Motions without strain are no approximation's to leave out.
-  while (kept < available && (eigenmodes.omega2(kept) == 0.0 ||
-                              (kept < options.modes && hz(eigenmodes.omega2(kept)) <= options.max_frequency)))
-    ++kept;
-  const bool responses = options.loads.cols() > 0 && (kept < available || options.held.cols() > 0);
+  const std::vector<int> chosen = chosen_modes(steps, eigenmodes, options);
+  const int kept = static_cast<int>(chosen.size());
+  // Up to six directions leave all deformations, each up to a rigid motion.
+  const bool responses = options.loads.cols() > 0 && (kept < available || options.held.cols() > 6);
   if (kept == 0 && !responses)
     throw BasisError(
         options.max_frequency < std::numeric_limits<double>::infinity() ? "max_frequency" : "modes",
@@ -317,10 +368,12 @@ ModalData modal_data(const superelement::Superelement& se, const BasisOptions& o
             "superelement \"{}\": no mode is left (the first one of {} has {:.6g} Hz); keep one or use "
             "fidelity = \"rigid\"",
             se.name, available, available > 0 ? hz(eigenmodes.omega2(0)) : 0.0));
-  const double first_dropped = kept < available ? hz(eigenmodes.omega2(kept)) : 0.0;
+  double first_dropped = 0.0;
+  for (int i = available - 1; i >= 0; --i)
+    if (!std::ranges::binary_search(chosen, i)) first_dropped = hz(eigenmodes.omega2(i));
   std::vector<double> eigen_hz;
-  for (int i = 0; i < kept; ++i) eigen_hz.push_back(hz(eigenmodes.omega2(i)));
-  const auto [modes, damped] = steps.basis(eigenmodes, kept, responses);
+  for (const int i : chosen) eigen_hz.push_back(hz(eigenmodes.omega2(i)));
+  const auto [modes, damped] = steps.basis(eigenmodes, chosen, responses);
   const int m = static_cast<int>(modes.omega2.size());
   if (report)
     *report = {available,     kept,    m - kept, hz(modes.omega2(0)), hz(modes.omega2(m - 1)),

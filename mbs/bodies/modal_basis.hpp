@@ -37,6 +37,9 @@ class PreparationCache;
 
 struct BasisOptions {
   int modes = std::numeric_limits<int>::max();  ///< eigenmodes: at most so many, lowest first
+  std::vector<int> numbers = {};  ///< eigenmodes with strain by their numbers from 1, instead; ascending
+  /// Eigenmodes until they hold this share of what all have of the mass and inertia in every held direction; 0: no bound.
+  double effective_mass = 0.0;
   double max_frequency = std::numeric_limits<double>::infinity();  ///< [Hz], eigenmodes: none above
   Eigen::MatrixXd held;             ///< n_se x k, held directions of the eigenmodes; empty: free
   Eigen::MatrixXd loads;            ///< n_se x j, unit loads for response modes; empty: none
@@ -55,7 +58,7 @@ struct BasisReport {
   int kept = 0;                              ///< of them
   int responses = 0;                         ///< independent response modes beside them
   double lowest_hz = 0.0, highest_hz = 0.0;  ///< of the body's modes
-  double first_dropped_hz = 0.0;             ///< of the eigenmodes; 0 when all are kept
+  double first_dropped_hz = 0.0;             ///< the lowest eigenmode left out; 0 when all are kept
   std::vector<double> eigen_hz;              ///< of the kept eigenmodes, under their boundary condition
 };
 

@@ -277,7 +277,8 @@ TableSchema mechanism_schema(TableSchema solver) {
   run.keys = {texts("set", "\"key.path=value\" pairs, like \"body.rod.fidelity=rigid\""),
               quantity("accuracy", dim::none, "short for solver.accuracy in set, like \"1 %\"")
                   .above(0.0)
-                  .at_most(1.0)};
+                  .at_most(1.0),
+              text("state", "short for solver.initial_state in set: a [state.NAME] to start from")};
 
   TableSchema input_schema;
   input_schema.name = "input";
@@ -330,6 +331,7 @@ TableSchema mechanism_schema(TableSchema solver) {
                 "control elements"),
       table("output", output, "what is stored"),
       table("solver", std::move(solver), "the integrator"),
+      table_map("state", state_schema(), "sets of states to start from"),
       table_map("run", run, "runs; without any the mechanism runs once as it stands"),
   };
   return schema;

@@ -47,13 +47,20 @@ MechanismFile read_mechanism(const std::filesystem::path& file, const input::Tab
   out.outputs = root.table("output").texts("quantities");
   out.y = root.table("output").texts("y");
   for (const auto& [name, s] : root.table_map("body"))
-    if ((s.has("superelement") || s.has("beam")) && s.has("fidelity"))
-      out.leaves_fidelity_open[name] = s.text("fidelity") == kAutomaticFidelity;
+    if (s.has("superelement") || s.has("beam")) {
+      out.deformable.push_back(name);
+      if (s.has("fidelity")) out.leaves_fidelity_open[name] = s.text("fidelity") == kAutomaticFidelity;
+    }
   out.blind_spots = std::move(model.blind_spots);
+  out.states = read_state_sets(root);
   for (const auto& [name, s] : root.table_map("run")) {
     out.runs.push_back({name, s.texts("set")});
     if (s.has("accuracy"))
       out.runs.back().overrides.push_back(fmt::format("solver.accuracy={:.17g}", s.quantity("accuracy")));
+    if (s.has("state")) {
+      find_state_set(out.states, s.text("state"), s.where("state"));
+      out.runs.back().overrides.push_back("solver.initial_state=" + s.text("state"));
+    }
   }
   if (out.runs.empty()) out.runs.push_back({"run", {}});
   return out;

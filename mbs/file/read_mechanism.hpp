@@ -8,6 +8,7 @@
 
 #include "mbs/base/documents/document.hpp"
 #include "mbs/bodies/preparation_cache.hpp"
+#include "mbs/file/state_sets.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 
 /// The mechanism file (TOML): bodies, markers, joints, forces, measures, runs.
@@ -47,6 +48,8 @@ struct MechanismFile {
   /// (they are then built as fidelity_of() says).
   std::map<std::string, bool> leaves_fidelity_open = {};
   std::vector<BlindSpot> blind_spots = {};
+  std::vector<StateSet> states = {};
+  std::vector<std::string> deformable = {};  ///< the file's own superelements and beams, whatever their fidelity
 };
 
 /// Reads and checks the file with `overrides` applied ("body.rod.fidelity=rigid").  Superelement files are

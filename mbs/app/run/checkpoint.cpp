@@ -170,9 +170,13 @@ json identity_of_runs(const MechanismArguments& arguments, const json& options) 
   input::ContentHash model, states;
   model.add_input_file(arguments.file);
   if (!arguments.from_state.empty()) states.add_file(arguments.from_state);
-  return {{"Flexura", FLEXURA_VERSION},   {"mechanism file or a file that it names", model.hex()},
-          {"--from-state", states.hex()}, {"--set", arguments.set},
-          {"--run", arguments.runs},      {"options", options}};
+  return {{"Flexura", FLEXURA_VERSION},
+          {"mechanism file or a file that it names", model.hex()},
+          {"--from-state", states.hex()},
+          {"--state", arguments.state},
+          {"--set", arguments.set},
+          {"--run", arguments.runs},
+          {"options", options}};
 }
 
 // --- Reading

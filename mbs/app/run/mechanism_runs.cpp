@@ -29,6 +29,7 @@ void declare_choices(terminal::Options& options, MechanismArguments& arguments) 
   options
       .option("--set", arguments.set, "KEY=VALUE",
               "override a key of the file, as in body.rod.fidelity=rigid")
+      .option("--state", arguments.state, "NAME", "start from this [state.NAME] of the file, or from zero")
       .option("--from-state", arguments.from_state, "FILE",
               "start from the states in this file (see --save-state), or from those that it names")
       .option("--run", arguments.runs, "NAME", "only these of the file's runs")
@@ -60,6 +61,7 @@ std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments) {
     // What stands on the command line has the last word.
     std::vector<std::string> overrides = run.overrides;
     overrides.insert(overrides.end(), arguments.set.begin(), arguments.set.end());
+    if (!arguments.state.empty()) overrides.push_back("solver.initial_state=" + arguments.state);
     try {
       runs.push_back(
           {run.name, mbs::prepare(arguments.file, overrides, arguments.from_state, cache), overrides});
@@ -74,7 +76,6 @@ std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments) {
           fmt::format("{}; {} shows it as it stands, open joints in red", open.what(), page));
     }
     give_warnings(runs.back());
-    if (!arguments.from_state.empty()) runs.back().prepared.options.start_time = runs.back().prepared.state.t;
   }
   return runs;
 }

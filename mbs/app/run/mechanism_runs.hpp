@@ -16,13 +16,14 @@ namespace flexura::app {
 struct MechanismArguments {
   std::string file;
   std::vector<std::string> set{}, runs{};
+  std::string state{};       ///< state set of the file to start from
   std::string from_state{};  ///< state file to start from
   std::string cache{};       ///< folder for prepared bodies; empty: none
 };
 
 void declare_mechanism(terminal::Options& options, MechanismArguments& arguments, bool needs_file = true);
 
-/// What declare_mechanism() declares beside FILE: --set, --from-state, --run, --cache.
+/// What declare_mechanism() declares beside FILE: --set, --state, --from-state, --run, --cache.
 void declare_choices(terminal::Options& options, MechanismArguments& arguments);
 
 struct NamedRun {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <sstream>
 
 #include "mbs/base/documents/document.hpp"
 #include "mbs/base/documents/section_data.hpp"
@@ -29,6 +30,24 @@ std::string wrong_with_name(std::string_view name) {
   if (name.find('/') != std::string_view::npos)
     return "has a \"/\" in its name, which parts names in results";
   return "";
+}
+
+// "1-5, 8" as (1, 5), (8, 8); nothing for another text.
+std::optional<std::vector<std::pair<int, int>>> ranges_of(const std::string& text) {
+  constexpr int kMost = 1'000'000;
+  std::vector<std::pair<int, int>> ranges;
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');) {
+    std::istringstream in(part);
+    int first = 0, last = 0;
+    char dash = 0;
+    if (!(in >> first)) return std::nullopt;
+    last = first;
+    if (in >> dash && (dash != '-' || !(in >> last))) return std::nullopt;
+    if (in >> dash || first < 1 || last < first || last > kMost) return std::nullopt;
+    ranges.emplace_back(first, last);
+  }
+  return ranges;
 }
 
 class Checker {
@@ -206,6 +225,9 @@ class Checker {
         for (const toml::node& entry : values_.list(node, key, place, key.size))
           value.integers.push_back(values_.whole(entry, key, place));
         break;
+      case Kind::selection:
+        selection(node, key, place, value);
+        break;
       case Kind::vectors3:
         for (const toml::node& entry : values_.list(node, key, place, key.size)) {
           for (const double component : values_.numbers(entry, key, place, 3))
@@ -278,22 +300,54 @@ class Checker {
     const toml::table* table = node.as_table();
     if (!table) values_.refuse(place, &node, values_.wanted(key) + " is wanted");
     std::vector<std::pair<int, std::pair<std::string, std::string>>> entries;
-    Key entry = expression(key.name, key.doc);
-    for (const auto& [name, child] : *table) {
-      const std::string full = join_path(place.path, std::string(name.str()));
-      const int line = line_of(name.source()) ? line_of(name.source()) : line_of(child.source());
-      if (!files::is_plain_text(name.str()))
-        values_.refuse({full, line, values_.is_overridden(full), false}, nullptr,
-                       "has a control character in its name", "choose another name");
-      entries.push_back({line ? line : std::numeric_limits<int>::max(),
-                         {std::string(name.str()),
-                          values_.formula(child, entry, {full, line, values_.is_overridden(full), false})}});
-    }
+    collect(*table, key, place, "", entries);
     std::stable_sort(entries.begin(), entries.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     for (auto& [line, named] : entries) {
       value.texts.push_back(std::move(named.first));
       value.texts.push_back(std::move(named.second));
+    }
+  }
+
+  // A number alone stands for the first so many; a list or a text names which.
+  void selection(const toml::node& node, const Key& key, const Place& place, Value& value) const {
+    if (node.is_integer()) {
+      value.integers = {values_.whole(node, key, place)};
+      return;
+    }
+    value.flag = true;
+    if (const auto* text = node.as_string()) {
+      const auto ranges = ranges_of(text->get());
+      if (!ranges) values_.refuse(place, &node, values_.wanted(key) + " is wanted");
+      for (const auto& [first, last] : *ranges)
+        for (int i = first; i <= last; ++i) value.integers.push_back(i);
+    } else {
+      for (const toml::node& entry : values_.list(node, key, place, -1))
+        value.integers.push_back(values_.whole(entry, key, place));
+    }
+    if (value.integers.empty()) values_.refuse(place, &node, values_.wanted(key) + " is wanted");
+    std::ranges::sort(value.integers);
+    if (const auto twice = std::ranges::adjacent_find(value.integers); twice != value.integers.end())
+      values_.refuse(place, &node, fmt::format("names {} twice", *twice));
+  }
+
+  // A point in a name that stands without quotes makes a table within the table.
+  void collect(const toml::table& table, const Key& key, const Place& place, const std::string& prefix,
+               std::vector<std::pair<int, std::pair<std::string, std::string>>>& entries) const {
+    const Key entry = expression(key.name, key.doc);
+    for (const auto& [name, child] : table) {
+      const std::string whole = prefix + std::string(name.str()), full = join_path(place.path, whole);
+      const int line = line_of(name.source()) ? line_of(name.source()) : line_of(child.source());
+      const Place here{full, line, values_.is_overridden(full), false};
+      if (!files::is_plain_text(name.str()))
+        values_.refuse(here, nullptr, "has a control character in its name", "choose another name");
+      if (const toml::table* below = child.as_table(); below != nullptr && !below->empty())
+        collect(*below, key, place, whole + ".", entries);
+      else if (const auto* text = child.as_string(); key.keeps_units && text != nullptr)
+        entries.push_back({line ? line : std::numeric_limits<int>::max(), {whole, text->get()}});
+      else
+        entries.push_back(
+            {line ? line : std::numeric_limits<int>::max(), {whole, values_.formula(child, entry, here)}});
     }
   }
 

@@ -98,6 +98,13 @@ std::vector<int> Section::integers(const std::string& key) const {
   return value ? value->integers : std::vector<int>{};
 }
 
+Selection Section::selection(const std::string& key) const {
+  const Value* value = find(*data_, key, {Kind::selection});
+  if (value == nullptr) return {};
+  if (value->flag) return {.numbers = value->integers};
+  return {.first = value->integers.front()};
+}
+
 std::vector<double> Section::quantities(const std::string& key) const {
   const Value* value = find(*data_, key, {Kind::quantities});
   return value ? value->numbers : std::vector<double>{};

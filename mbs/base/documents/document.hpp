@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -21,6 +22,12 @@ class InputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Things chosen by their numbers, counted from 1.
+struct Selection {
+  int first = std::numeric_limits<int>::max();  ///< the first so many, where no numbers are given
+  std::vector<int> numbers{};                   ///< ascending
+};
+
 /// One table of a checked document.  Getters return SI values; keys with a default never fail; asking for a
 /// key the schema does not have is a programming error (std::logic_error).
 class Section {
@@ -36,6 +43,7 @@ class Section {
   Eigen::Vector4d quaternion(const std::string& key) const;  ///< (w, x, y, z), normalised
   std::vector<std::string> texts(const std::string& key) const;
   std::vector<int> integers(const std::string& key) const;
+  Selection selection(const std::string& key) const;  ///< without the key all
   std::vector<double> quantities(const std::string& key) const;
   std::vector<Eigen::Vector3d> vectors3(const std::string& key) const;
   Eigen::MatrixXd matrix(const std::string& key) const;

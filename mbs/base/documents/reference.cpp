@@ -47,6 +47,8 @@ std::string kind_text(const Key& key) {
       return "list of " + count + "texts";
     case Kind::integers:
       return "list of " + count + "whole numbers";
+    case Kind::selection:
+      return "whole number, list of them, or text like \"1-5, 8\"";
     case Kind::quantities:
       return "list of " + count + (unit.empty() ? "numbers" : "quantities" + in_unit);
     case Kind::vectors3:

@@ -55,6 +55,10 @@ Key&& Key::sized(int n) && {
   size = n;
   return std::move(*this);
 }
+Key&& Key::with_units() && {
+  keeps_units = true;
+  return std::move(*this);
+}
 
 Key text(std::string name, std::string doc) {
   return make(Kind::text, std::move(name), std::move(doc));
@@ -90,6 +94,9 @@ Key texts(std::string name, std::string doc) {
 }
 Key integers(std::string name, std::string doc) {
   return make(Kind::integers, std::move(name), std::move(doc));
+}
+Key selection(std::string name, std::string doc) {
+  return make(Kind::selection, std::move(name), std::move(doc)).at_least(1);
 }
 Key quantities(std::string name, const Dimension& dimension, std::string doc) {
   return make(Kind::quantities, std::move(name), std::move(doc), dimension);

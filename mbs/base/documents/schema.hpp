@@ -27,6 +27,7 @@ enum class Kind {
   choice,
   texts,
   integers,
+  selection,  ///< a whole number n for the first n, numbers in a list, or both as text: "1-5, 8"
   quantities,
   vectors3,
   matrix,
@@ -49,7 +50,8 @@ struct Key {
   std::shared_ptr<TableSchema> table;  ///< Kind::table, tables, table_map
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
   bool lower_open = false, upper_open = false;
-  int size = -1;  ///< wanted number of entries of a list, -1 = any
+  int size = -1;             ///< wanted number of entries of a list, -1 = any
+  bool keeps_units = false;  ///< Kind::formulas: quantities stay as they are written
 
   Key&& required() &&;
   Key&& or_default(std::string text) &&;
@@ -58,6 +60,7 @@ struct Key {
   Key&& below(double bound) &&;
   Key&& at_most(double bound) &&;
   Key&& sized(int n) &&;
+  Key&& with_units() &&;
 };
 
 /// The keys of one table.  When `selector` is not empty, the value of that key (a choice) adds the keys of
@@ -82,6 +85,7 @@ Key expression(std::string name, const Dimension& dimension,
 Key choice(std::string name, std::vector<std::string> choices, std::string doc);
 Key texts(std::string name, std::string doc);
 Key integers(std::string name, std::string doc);
+Key selection(std::string name, std::string doc);
 Key quantities(std::string name, const Dimension& dimension, std::string doc);
 Key vectors3(std::string name, const Dimension& dimension, std::string doc);
 Key matrix(std::string name, std::string doc);

@@ -91,6 +91,8 @@ std::string ValueReader::wanted(const Key& key) {
       return "a list of " + count + "texts";
     case Kind::integers:
       return "a list of " + count + "whole numbers";
+    case Kind::selection:
+      return "a whole number, a list like [1, 3, 7], or a text like \"1-5, 8\"";
     case Kind::quantities:
       return "a list of " + count + entries;
     case Kind::vectors3:

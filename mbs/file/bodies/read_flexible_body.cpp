@@ -8,6 +8,7 @@
 
 #include "mbs/bodies/modal_basis.hpp"
 #include "mbs/bodies/modal_problem.hpp"
+#include "mbs/file/bodies/choose_frame.hpp"
 #include "mbs/file/bodies/read_section_points.hpp"
 #include "mbs/file/fidelities.hpp"
 #include "mbs/mechanism/acting_loads.hpp"
@@ -62,18 +63,6 @@ DampingLaw damping_law(const Section& s) {
   return law;
 }
 
-/// Why the joint gives no boundary condition that holds at all times (SP's conditions: the node has the
-/// directions that the joint locks, and these stand still in the body); empty where it gives one.
-std::string cannot_hold(const MechanismDescription& d, const JointDescription& joint, int body,
-                        const BodyNode& node, const MatrixXd& held) {
-  if (!locks_the_same_wherever_it_is(d, joint, body))
-    return fmt::format("what joint \"{}\" locks does not stand still in the body as it moves", joint.name);
-  for (Eigen::Index k = 0; k < held.cols(); ++k)
-    if (held.col(k).isZero(0.0))
-      return fmt::format("joint \"{}\" locks a direction that \"{}\" does not keep", joint.name, node.name);
-  return "";
-}
-
 /// Loads where an interface does not keep the direction: the reduction has no constraint mode for them.
 void note_free_directions(const superelement::Superelement& se, const BodyNodes& nodes,
                           const MechanismDescription& d, int body, std::vector<std::string>& notes) {
@@ -122,7 +111,18 @@ std::vector<input::Key> flexible_body_keys() {
   return {
       text("superelement", "file made by flexura reduce, beside this one"),
       fidelity_key(),
-      integer("modes", "keep at most so many eigenmodes, lowest first; without it all").at_least(1),
+      selection(
+          "modes",
+          "eigenmodes to keep: at most so many, lowest first, or those with these numbers, counted from 1 "
+          "under the body's `boundary`, without rigid motions (`flexura modes` lists and draws them); "
+          "without "
+          "it all"),
+      quantity(
+          "effective_mass", dim::none,
+          "keep eigenmodes, lowest first, until they hold this share of the mass and inertia that all have "
+          "in each direction that the joint holds")
+          .above(0.0)
+          .at_most(1.0),
       quantity("max_frequency", dim::frequency, "keep no eigenmode above").above(0.0),
       choice("coupling", {"full", "partial", "constant"},
              "inertia coupling of deformation and motion: all terms; without second-order terms of the "
@@ -142,10 +142,14 @@ std::vector<input::Key> flexible_body_keys() {
              "with a "
              "rigid link (a marker's link) fixed to that, for a one-way body joint_fixed on a single joint "
              "and joints on several"),
-      choice(
-          "boundary", {"free", "joint"},
-          "eigenmodes of the free body, or held as that joint holds it; without it joint for a joint_fixed "
-          "frame (modes of a frame held by the joints are held there)"),
+      choice("boundary", {"free", "joint"},
+             "eigenmodes of the free body, or held as the first joint that leads to the body holds it. "
+             "Without it joint, "
+             "which is right with fewer modes, where that joint's marker is one interface or node and the "
+             "directions that it "
+             "locks stand still in the body (not with exactly two rotations free); free otherwise. Of frame "
+             "= \"joints\" those "
+             "of all joints, as the frame"),
       quantity("damping", dim::none,
                "damping ratio of the body's eigenmodes under their `boundary`, and of its response modes: "
                "where the joints "
@@ -281,7 +285,10 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
              "a force acts on the body's surface, and a superelement has geometric stiffening by gravity, "
              "motion and loads on its interfaces only: all of it or none",
              "use fidelity = \"modal\"");
-  if (s.has("modes")) options.modes = s.integer("modes");
+  const input::Selection modes = s.selection("modes");
+  options.modes = modes.first;
+  options.numbers = modes.numbers;
+  if (s.has("effective_mass")) options.effective_mass = s.quantity("effective_mass");
   if (s.has("max_frequency")) options.max_frequency = s.quantity("max_frequency");
   options.response_frequency = s.quantity("response_frequency");
 
@@ -296,71 +303,7 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
               d.bodies[d.markers[static_cast<std::size_t>(other)].body].name, joint->name),
           "use \"modal\" or \"static\"");
     }
-  // What a single joint holds vibrates as held there; the motion cannot tell a deformation so that does not act back.
-  const auto joints = std::ranges::count_if(
-      d.joints, [&](const JointDescription& joint) { return marker_on(d, joint, body) >= 0; });
-  const bool held_by_one = fidelity.held_by_joints && joints == 1 && frame_joint(d, body) != nullptr;
-  const std::string frame = s.has("frame")                          ? s.text("frame")
-                            : held_by_one                           ? "joint_fixed"
-                            : fidelity.held_by_joints && joints > 1 ? "joints"
-                                                                    : "mean_axis";
-  // What a rigid link joins moves as one piece however far it turns only where it is at rest in the frame:
-  // displacements that are linear in the modes leave a turned piece by second order.
-  const auto link = std::ranges::find_if(linked, [](const BodyNode& node) { return node.ties.cols() > 0; });
-  if (link != linked.end() && frame == "mean_axis" && !s.has("frame")) {
-    options.frame = node_loads(*link);
-    notes.push_back(
-        fmt::format("body \"{}\": the rigid link of marker \"{}\" gives the frame", name, link->name));
-  }
-  const bool joint_fixed = frame == "joint_fixed";
-  if (frame == "joints") {
-    if (s.has("boundary") && s.text("boundary") != "joint")
-      s.refuse("boundary", "a frame held by the joints holds the eigenmodes too",
-               "write \"joint\", or take this key away");
-    options.frame = options.held = held_by_joints(se, nodes, d, body);
-    const bool is_held = options.held.cols() > 0;
-    if (!is_held && s.has("frame"))
-      s.refuse("frame", "no joint of this body sits on an interface and locks a direction",
-               "let joints' markers stand on interfaces (on = \"INTERFACE\"), or take this key away");
-    if (is_held)
-      notes.push_back(
-          fmt::format("body \"{}\": its joints hold the frame and the eigenmodes in {} directions", name,
-                      options.held.cols()));
-  }
-  std::string boundary = s.has("boundary") && frame != "joints" ? s.text("boundary")
-                         : joint_fixed                          ? "joint"
-                                                                : "free";
-  if (joint_fixed || boundary == "joint") {
-    const JointDescription* joint = frame_joint(d, body);
-    const std::string key = joint_fixed ? "frame" : "boundary";
-    if (!joint)
-      s.refuse(key, "no joint sits on an interface of this body",
-               "let a joint's marker stand on an interface (on = \"INTERFACE\"), or take this key away");
-    const MarkerDescription& marker = d.markers[marker_on(d, *joint, body)];
-    const int node = marker.node;
-    if (boundary == "joint") {
-      options.held = held_directions(nodes, d, *joint, body);
-      if (const std::string reason = cannot_hold(d, *joint, body, nodes[node], options.held);
-          !reason.empty()) {
-        if (s.has("boundary"))
-          s.refuse("boundary", reason, "write boundary = \"free\", or take the key away");
-        notes.push_back(
-            fmt::format("body \"{}\": {}: its eigenmodes are those of the free body", name, reason));
-        boundary = "free";
-        options.held.resize(se.n(), 0);
-      }
-    }
-    if (joint_fixed && node < static_cast<int>(se.interfaces.size()))
-      options.fixed_interface = node;
-    else if (joint_fixed)
-      options.frame = node_loads(nodes[node]);
-    notes.push_back(
-        fmt::format("body \"{}\": joint \"{}\" on {} \"{}\" gives {}", name, joint->name,
-                    node < static_cast<int>(se.interfaces.size()) ? "interface" : "marker", nodes[node].name,
-                    joint_fixed && boundary == "joint" ? "the frame and the eigenmodes' boundary condition"
-                    : joint_fixed                      ? "the frame"
-                                                       : "the eigenmodes' boundary condition"));
-  }
+  const std::string of_the_boundary = choose_frame(s, se, nodes, linked, d, body, options, notes);
 
   const std::string attachments = s.has("attachments")      ? s.text("attachments")
                                   : fidelity.by_loads_alone ? "used"
@@ -389,7 +332,7 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
   }
 
   if (fidelity.by_loads_alone) {
-    for (const char* key : {"modes", "max_frequency"})
+    for (const char* key : {"modes", "max_frequency", "effective_mass"})
       if (s.has(key))
         notes.push_back(
             fmt::format("body \"{}\" is static and takes no eigenmodes: {} is of no account", name, key));
@@ -406,6 +349,8 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
           "it statically",
           "use fidelity = \"rigid\"");
     options.modes = 0;
+    options.numbers.clear();
+    options.effective_mass = 0.0;
     options.coupling = Coupling::constant;
     options.damping_law.critical_above = std::min(options.damping_law.critical_above, 0.0);
   }
@@ -434,6 +379,7 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
       note +=
           ": it is stiffer under loads at its interfaces than its superelement (attachments = \"used\" "
           "mends that)";
+    if (!of_the_boundary.empty()) notes.push_back(of_the_boundary);
     notes.push_back(note);
   }
   return flexible;

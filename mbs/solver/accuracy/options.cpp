@@ -114,6 +114,8 @@ input::TableSchema solver_schema() {
           "of flexible bodies: none where the loops allow it, so that they ring under their loads from the "
           "start; or the deformation that follows the loads and the motion without ringing")
           .or_default("none"));
+  schema.keys.push_back(in::text(
+      "initial_state", "name of the [state.NAME] to start from, or \"zero\"; without it the file's values"));
   schema.keys.push_back(
       in::flag("store_states", "write all states into the results file").or_default("false"));
   return schema;

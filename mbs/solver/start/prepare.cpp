@@ -3,15 +3,55 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
+#include "mbs/solver/start/apply_state.hpp"
 #include "mbs/solver/start/not_assembled.hpp"
 #include "mbs/solver/statics/close_loops.hpp"
+#include "mbs/solver/statics/equilibrium.hpp"
 
 namespace flexura::mbs {
 namespace {
 
-std::vector<bool> either(std::vector<bool> a, const std::vector<bool>& b) {
-  for (std::size_t i = 0; i < a.size(); ++i) a[i] = a[i] || b[i];
-  return a;
+std::optional<StateSet> chosen_set(const MechanismFile& file) {
+  if (!file.solver.has("initial_state")) return std::nullopt;
+  return find_state_set(file.states, file.solver.text("initial_state"), file.solver.where("initial_state"));
+}
+
+// The state set, then the state file, each at the time that it names: drives stand there as they do then.
+GivenState start_state(PreparedMechanism& out, const std::optional<StateSet>& set,
+                       const std::filesystem::path& state_file) {
+  const Mechanism& m = *out.mechanism;
+  GivenState given{m.given_positions(), m.given_velocities(), false};
+  std::vector<std::string> notes;
+  const auto apply = [&](double time) {
+    out.state = m.initial_state(time);
+    if (set) notes = apply_state(*set, out.file, m, out.state, given);
+    if (time == out.options.start_time) out.given_start_time = out.state.t;
+    if (state_file.empty()) return;
+    const std::vector<std::string> more = apply_state(state_file, out.file, m, out.state, given);
+    notes.insert(notes.end(), more.begin(), more.end());
+  };
+  apply(out.options.start_time);
+  if (out.state.t != out.options.start_time) apply(out.state.t);
+  out.options.start_time = out.state.t;
+  out.notes.insert(out.notes.end(), notes.begin(), notes.end());
+  return given;
+}
+
+// Speeds stay: of a rotor whose shaft sags.
+void start_in_equilibrium(PreparedMechanism& out) {
+  const Eigen::VectorXd v = out.state.v;
+  out.state.v.setZero();
+  const StaticsReport found = find_equilibrium(*out.mechanism, out.state);
+  forget_ringing(out.notes);
+  out.state.v = v;
+  AssembleOptions keep;
+  keep.keep_position.assign(v.size(), true);
+  keep.keep_velocity.assign(v.size(), true);
+  assemble(*out.mechanism, out.state, out.v_dot, keep);
+  out.notes.push_back(
+      fmt::format("starts from the static equilibrium, largest force left {:.2g} N", found.force_residual));
 }
 
 }  // namespace
@@ -26,20 +66,13 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
         "{}: has no body and no control: there is nothing that could move; give at least one [body.NAME]",
         path.string()));
   out.options = read_solver_options(out.file.solver);
-  out.given_start_time = out.options.start_time;
   out.notes = out.file.notes;
   out.mechanism = std::make_unique<Mechanism>(out.file.description);
   if (!out.file.solver.has("method") && !out.file.solver.has("max_order") && has_deformation(*out.mechanism))
     out.options.method = "radau";
   out.options.method_is_open = !out.file.solver.has("method") && !out.file.solver.has("max_order");
-  out.state = out.mechanism->initial_state(out.options.start_time);
-  GivenState given{out.mechanism->given_positions(), out.mechanism->given_velocities(), !state_file.empty()};
-  if (given.whole) {
-    const StateChange change = read_state(state_file, *out.mechanism, out.state);
-    given.positions = either(given.positions, change.position);
-    given.velocities = either(given.velocities, change.velocity);
-    if (!change.continuation) out.options.start_time = out.state.t;
-  }
+  const std::optional<StateSet> set = chosen_set(out.file);
+  const GivenState given = start_state(out, set, state_file);
   try {
     assemble_start(out, given);
   } catch (const OpenLoops& e) {
@@ -50,10 +83,12 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
   } catch (const AssemblyError& e) {
     throw input::InputError(fmt::format("{}: {}", path.string(), e.what()));
   }
+  if (set && set->equilibrium && state_file.empty()) start_in_equilibrium(out);
   if (!state_file.empty()) {
     // Now that the redundant rows are gone the multipliers have their places.
     State whole = out.state;
-    StateChange change = read_state(state_file, *out.mechanism, whole);
+    StateChange change =
+        read_state(state_file, *out.mechanism, whole, [](const std::string&) { return true; });
     out.continuation_fits = change.continuation_fits;
     out.continuation = std::move(change.continuation);
   }

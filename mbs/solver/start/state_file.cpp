@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "mbs/base/documents/content_hash.hpp"
@@ -84,25 +85,78 @@ bool are_the_same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
          (a.size() == 0 || (a - b).cwiseAbs().maxCoeff() <= 1e-8 * a.cwiseAbs().maxCoeff());
 }
 
-std::vector<bool> take(const Json& document, const char* key, const std::filesystem::path& path,
-                       const NameOf& name, Eigen::VectorXd& x) {
-  std::vector<bool> taken(x.size(), false);
-  if (!document.contains(key)) return taken;
-  std::vector<std::string> known;
-  for (int i = 0; i < static_cast<int>(x.size()); ++i) known.push_back(name(i));
-  for (const auto& [state, value] : document[key].items()) {
-    const auto found = std::find(known.begin(), known.end(), state);
-    if (found == known.end())
-      throw std::invalid_argument(fmt::format("{}: {}: the mechanism has no state \"{}\"{}", path.string(),
-                                              key, state, input::suggestion(state, known)));
-    constexpr double kLargest = 1e40;  // as of any input
-    if (!value.is_number() || !(std::abs(value.get<double>()) <= kLargest))
-      throw std::invalid_argument(fmt::format("{}: {}: \"{}\" must be a number, up to 1e40; correct it there",
-                                              path.string(), key, state));
-    x(found - known.begin()) = value.get<double>();
-    taken[found - known.begin()] = true;
+// The states of a mechanism by name, of one kind first: modal coordinates of a one-way body are dynamic states.
+class Places {
+ public:
+  Places(const Equations& eq, State& s, StateChange& change) : change_(change) {
+    change.position.assign(s.p.size(), false);
+    change.velocity.assign(s.v.size(), false);
+    add("positions", s.p, [&](int i) { return eq.name_of_position(i); });
+    add("velocities", s.v, [&](int i) { return eq.name_of_velocity(i); });
+    add("dynamic", s.c, [&](int i) { return eq.name_of_dynamic(i); });
+    add("algebraic", s.a, [&](int i) { return eq.name_of_algebraic(i); });
   }
-  return taken;
+
+  // The names under `kind` in the file.
+  void take(const Json& document, const std::string& kind, const std::filesystem::path& path,
+            const OfDeformation& of_deformation) {
+    if (!document.contains(kind)) return;
+    for (const auto& [state, value] : document[kind].items()) {
+      constexpr double kLargest = 1e40;  // as of any input
+      if (!value.is_number() || !(std::abs(value.get<double>()) <= kLargest))
+        throw std::invalid_argument(fmt::format(
+            "{}: {}: \"{}\" must be a number, up to 1e40; correct it there", path.string(), kind, state));
+      const auto found = places_.find({kind, state});
+      if (found != places_.end()) {
+        put(found->first.first, found->second, value);
+      } else if (of_deformation && of_deformation(state)) {
+        put_elsewhere(state, value);
+      } else {
+        throw std::invalid_argument(fmt::format("{}: {}: the mechanism has no state \"{}\"{}", path.string(),
+                                                kind, state, input::suggestion(state, names(kind))));
+      }
+    }
+  }
+
+ private:
+  struct Place {
+    double* value;
+    std::size_t index;
+  };
+
+  void add(const std::string& kind, Eigen::VectorXd& x, const NameOf& name) {
+    for (int i = 0; i < static_cast<int>(x.size()); ++i)
+      places_[{kind, name(i)}] = {x.data() + i, static_cast<std::size_t>(i)};
+  }
+  void put(const std::string& kind, const Place& place, const Json& value) {
+    *place.value = value.get<double>();
+    if (kind == "positions") change_.position[place.index] = true;
+    if (kind == "velocities") change_.velocity[place.index] = true;
+  }
+  void put_elsewhere(const std::string& state, const Json& value) {
+    for (const char* kind : {"positions", "velocities", "dynamic"})
+      if (const auto found = places_.find({kind, state}); found != places_.end())
+        return put(kind, found->second, value);
+    change_.left_out.push_back(state);
+  }
+  std::vector<std::string> names(const std::string& kind) const {
+    std::vector<std::string> of_kind;
+    for (const auto& [name, place] : places_)
+      if (name.first == kind) of_kind.push_back(name.second);
+    return of_kind;
+  }
+
+  StateChange& change_;
+  std::map<std::pair<std::string, std::string>, Place> places_;
+};
+
+// Multipliers follow from the other states; where constraints have other names these begin at zero.
+void take_multipliers(const Json& document, const Equations& eq, State& s) {
+  if (!document.contains("multipliers")) return;
+  const Json& given = document["multipliers"];
+  for (int i = 0; i < static_cast<int>(s.lambda.size()); ++i)
+    if (const auto found = given.find(eq.name_of_constraint(i)); found != given.end() && found->is_number())
+      s.lambda(i) = found->get<double>();
 }
 
 }  // namespace
@@ -146,7 +200,8 @@ std::string reason(const nlohmann::json::exception& e) {
 
 }  // namespace
 
-StateChange read_state(const std::filesystem::path& path, const Equations& eq, State& s) {
+StateChange read_state(const std::filesystem::path& path, const Equations& eq, State& s,
+                       const OfDeformation& of_deformation) {
   files::note_input(path);
   std::ifstream file(path);
   if (!file)
@@ -169,16 +224,11 @@ StateChange read_state(const std::filesystem::path& path, const Equations& eq, S
   StateChange change;
   try {
     s.t = in.value("time", s.t);
-    change.position = take(
-        in, "positions", path, [&](int i) { return eq.name_of_position(i); }, s.p);
-    change.velocity = take(
-        in, "velocities", path, [&](int i) { return eq.name_of_velocity(i); }, s.v);
-    take(
-        in, "dynamic", path, [&](int i) { return eq.name_of_dynamic(i); }, s.c);
-    take(
-        in, "algebraic", path, [&](int i) { return eq.name_of_algebraic(i); }, s.a);
-    take(
-        in, "multipliers", path, [&](int i) { return eq.name_of_constraint(i); }, s.lambda);
+    change.is_whole = in.contains("mechanism");
+    Places places(eq, s, change);
+    for (const char* kind : {"positions", "velocities", "dynamic", "algebraic"})
+      places.take(in, kind, path, of_deformation);
+    take_multipliers(in, eq, s);
     if (in.contains("switches") && in["switches"].size() == s.root.size())
       s.root = in["switches"].get<std::vector<int>>();
     if (in.contains("continuation")) {

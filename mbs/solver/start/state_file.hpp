@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "mbs/equations/equations.hpp"
 #include "mbs/solver/run/run.hpp"
@@ -29,10 +31,18 @@ struct StateChange {
   std::vector<bool> position, velocity;  ///< entries of p and of v that the file names
   std::optional<Continuation> continuation;
   bool continuation_fits = true;  ///< the file has as many states of every kind as the mechanism
+  bool is_whole =
+      false;  ///< the file is of a mechanism, as write_state() writes it: what it lacks, that lacked
+  std::vector<std::string> left_out;  ///< names of deformation that the mechanism does not have
 };
 
-/// Puts the file's values into `s`.  Throws std::invalid_argument, one sentence, for a file that is none and
-/// for a state that the mechanism does not have ("did you mean ...?").
-StateChange read_state(const std::filesystem::path& path, const Equations& eq, State& s);
+/// Of a name that the mechanism does not have: true where another fidelity of one of its bodies may have it.
+using OfDeformation = std::function<bool(const std::string&)>;
+
+/// Puts the file's values into `s`; multipliers of other constraints are passed over, as they follow from the rest.
+/// Throws std::invalid_argument, one sentence, for a file that is none and for a state that the mechanism does not
+/// have ("did you mean ...?") unless it is `of_deformation`.
+StateChange read_state(const std::filesystem::path& path, const Equations& eq, State& s,
+                       const OfDeformation& of_deformation = {});
 
 }  // namespace flexura::mbs

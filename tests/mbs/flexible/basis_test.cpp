@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <numbers>
+#include <numeric>
 
 #include "mbs/bodies/modal_basis.hpp"
 #include "tests/mbs/flexible/beam_superelement.hpp"
@@ -101,6 +103,51 @@ TEST(BoundaryCondition, GivesTheFrequenciesOfTheHeldBeam) {
   EXPECT_NEAR(std::sqrt(2 * pi * report.eigen_hz[0]), 3.92660231, 2e-5);
   EXPECT_NEAR(std::sqrt(2 * pi * report.eigen_hz[1]), 7.06858275,
               2e-4);  // error (7.07/16)^4/1440 = 3e-5 of it
+}
+
+TEST(ChosenModes, AreThoseOfTheirNumbers) {
+  const auto l = lattice::make_lattice(6);
+  const ModalData all = modal_data(l.se);
+  BasisOptions options;
+  options.numbers = {1, 3, 7};
+  BasisReport report;
+  const ModalData chosen = modal_data(l.se, options, &report);
+  ASSERT_EQ(chosen.stiffness.size(), 3);
+  for (int k = 0; k < 3; ++k)
+    EXPECT_EQ(chosen.stiffness(k), all.stiffness(options.numbers[static_cast<std::size_t>(k)] - 1));
+  EXPECT_EQ(report.first_dropped_hz, std::sqrt(all.stiffness(1)) / (2 * pi));
+  // As many as the last one alone leave nothing out.
+  options.numbers.assign(static_cast<std::size_t>(all.stiffness.size()), 0);
+  std::iota(options.numbers.begin(), options.numbers.end(), 1);
+  EXPECT_EQ(modal_data(l.se, options).stiffness, all.stiffness);
+  options.numbers = {static_cast<int>(all.stiffness.size()) + 1};
+  EXPECT_THROW(modal_data(l.se, options), std::invalid_argument);
+}
+
+TEST(ChosenModes, HoldTheShareOfEffectiveMass) {
+  const auto l = lattice::make_lattice(8);
+  BasisOptions options;
+  options.held = interface_loads(l.se, 0);
+  // The clamped interface's dofs struck: K phi = omega^2 M phi and the participation of each rigid motion of the support.
+  const Eigen::Index n = l.se.n() - 6;
+  ASSERT_EQ(l.se.interfaces[0].first_dof, 0);
+  const MatrixXd R = superelement::rigid_motions(l.se), M = l.se.M_se;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(l.se.K_se.bottomRightCorner(n, n),
+                                                                 M.bottomRightCorner(n, n));
+  const MatrixXd support = R.topRows(6).inverse();  // rigid motions of unit displacements of the interface
+  const MatrixXd shares = (modes.eigenvectors().transpose() * M.bottomRows(n) * R * support).cwiseAbs2();
+  const VectorXd whole = shares.colwise().sum();
+  for (const double share : {0.3, 0.8, 0.95, 0.999}) {
+    options.effective_mass = share;
+    const auto kept = modal_data(l.se, options).stiffness.size();
+    const auto least = [&](Eigen::Index count) {
+      return (shares.topRows(count).colwise().sum().transpose().array() / whole.array()).minCoeff();
+    };
+    EXPECT_GE(least(kept), share - 1e-9);
+    EXPECT_LT(least(kept - 1), share);
+  }
+  options.held.resize(l.se.n(), 0);
+  EXPECT_THROW(modal_data(l.se, options), std::invalid_argument);
 }
 
 TEST(ReferenceFrame, SpansTheSameDeformations) {

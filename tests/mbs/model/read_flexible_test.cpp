@@ -68,9 +68,11 @@ TEST_F(MechanismFileTest, SuperelementIsModalOrRigid) {
 
   const MechanismFile truncated = read(flexible_pendulum, {"body.beam.modes=4"});
   EXPECT_EQ(Mechanism(truncated.description).sizes().n_flx, 4);
-  ASSERT_EQ(truncated.notes.size(), 1u);
-  EXPECT_THAT(truncated.notes[0], HasSubstr("body \"beam\" keeps 4 of 9 modes"));
-  EXPECT_THAT(truncated.notes[0], HasSubstr("it is stiffer under loads"));
+  // Of the boundary condition only where modes are left out.
+  ASSERT_EQ(truncated.notes.size(), 2u);
+  EXPECT_THAT(truncated.notes[0], HasSubstr("gives the eigenmodes' boundary condition"));
+  EXPECT_THAT(truncated.notes[1], HasSubstr("body \"beam\" keeps 4 of 9 modes"));
+  EXPECT_THAT(truncated.notes[1], HasSubstr("it is stiffer under loads"));
 }
 
 TEST_F(MechanismFileTest, BodiesArePreparedForWhatActsOnThem) {
@@ -81,6 +83,10 @@ TEST_F(MechanismFileTest, BodiesArePreparedForWhatActsOnThem) {
   };
   // The pivot turns freely about its axis and the tip carries a ball joint and a force: 5 + 6 loads.
   EXPECT_EQ(modes_of({"body.beam.modes=4"}), 4);
+  EXPECT_EQ(modes_of({"body.beam.modes=[1, 3, 7]"}), 3);
+  EXPECT_EQ(modes_of({"body.beam.modes=\"1-3, 7\""}), 4);
+  const int of_mass = modes_of({"body.beam.effective_mass=0.5", "body.beam.boundary=joint"});
+  EXPECT_TRUE(of_mass > 0 && of_mass < 18) << of_mass;
   EXPECT_EQ(modes_of({"body.beam.modes=4", "body.beam.attachments=used"}), 4 + 5 + 6);
   EXPECT_EQ(modes_of({"body.beam.modes=4", "body.beam.attachments=all"}), 4 + 12);
   EXPECT_EQ(modes_of({"body.beam.fidelity=static"}), 5 + 6);

@@ -199,9 +199,11 @@ test('keys choose modes, views and the list of keys', async () => {
   await page.keyboard.press('Escape');
 });
 
-test('struck modes give the line for the part file', async () => {
+test('struck modes give the lines for the part file and for a mechanism', async () => {
   for (const n of [7, 3]) await page.getByLabel(`Keep mode ${n}`, { exact: true }).uncheck();
-  assert.equal(await page.locator('.struck code').textContent(), 'strike_modes = [3, 7]');
+  const lines = await page.locator('.struck code').allTextContents();
+  assert.equal(lines[0], 'strike_modes = [3, 7]');
+  assert.match(lines[1], /^modes = "1-2, 4-6, 8/);
   assert.deepEqual(await page.evaluate(() => flexura.struck()), [3, 7]);
   for (const n of [7, 3]) await page.getByLabel(`Keep mode ${n}`, { exact: true }).check();
 });

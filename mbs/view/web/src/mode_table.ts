@@ -1,6 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-// The list of modes: sorted by any column, searched by number, kind or frequency range, modes struck out for the part
-// file.
+// The list of modes: sorted by any column, searched by number, kind or frequency range; modes struck out for the part
+// file or for a body of a mechanism file.
 import { download, figure, h, icon, iconButton, say } from './ui';
 
 export interface ModeRow {
@@ -53,7 +53,7 @@ export class ModeTable {
       ...effective,
     ];
     this.rows = modes.map((m, i) => {
-      const keep = m.can_strike && h('input', { type: 'checkbox', checked: true, 'aria-label': `Keep mode ${m.number}`,
+      const keep = m.frequency > 0 && h('input', { type: 'checkbox', checked: true, 'aria-label': `Keep mode ${m.number}`,
                                 title: 'Keep this mode', onchange: (e: Event) => this.strike(i, !(e.target as HTMLInputElement).checked),
                                 onclick: (e: Event) => e.stopPropagation() });
       const cells = this.columns.map((c) => {
@@ -104,6 +104,7 @@ export class ModeTable {
 
   showSet(name: string): void {
     this.set = name;
+    this.refreshStruck();
     this.filter();
   }
 
@@ -132,8 +133,15 @@ export class ModeTable {
     return this.shown[at < 0 ? 0 : at + by] ?? -1;
   }
 
+  /** Modes of the free body that the part file strikes out, by their numbers. */
   struck(): number[] {
-    return [...this.out].sort((a, b) => a - b).map((i) => this.modes[i].number);
+    return [...this.out].filter((i) => this.modes[i].can_strike).sort((a, b) => a - b).map((i) => this.modes[i].number);
+  }
+
+  /** Modes of the set shown that are left, numbered as `modes` of a body means them: without rigid motions. */
+  private kept(): number[] {
+    const elastic = this.modes.map((m, i) => i).filter((i) => this.modes[i].set === this.set && this.modes[i].frequency > 0);
+    return elastic.flatMap((i, k) => (this.out.has(i) ? [] : [k + 1]));
   }
 
   private strike(mode: number, out: boolean): void {
@@ -144,16 +152,21 @@ export class ModeTable {
   }
 
   private refreshStruck(): void {
+    const lines: [string, string][] = [];
     const struck = this.struck();
-    if (!struck.length) {
-      this.struckLine.replaceChildren(h('span', { class: 'hint' }, this.modes.some((m) => m.can_strike)
-        ? 'Untick modes of the free body to strike them out of the part.' : ''));
+    if (struck.length) lines.push([`strike_modes = [${struck.join(', ')}]`, 'Copy this line for [modes] of the part file']);
+    const kept = this.kept();
+    if (kept.length && [...this.out].some((i) => this.modes[i].set === this.set))
+      lines.push([`modes = "${ranges(kept)}"`, 'Copy this line for a body of a mechanism file whose eigenmodes these are']);
+    if (!lines.length) {
+      this.struckLine.replaceChildren(h('span', { class: 'hint' },
+        'Untick modes to strike them out of the part (those of the free body) or of a mechanism.'));
       return;
     }
-    const line = `strike_modes = [${struck.join(', ')}]`; // in [modes] of the part file
-    this.struckLine.replaceChildren(h('code', {}, line), iconButton('copy', 'Copy this line for the part file', () => {
-      navigator.clipboard.writeText(line).then(() => say('Copied'), () => say('Select the line and copy it'));
-    }));
+    this.struckLine.replaceChildren(...lines.map(([line, title]) => h('div', { title }, h('code', {}, line),
+      iconButton('copy', title, () => {
+        navigator.clipboard.writeText(line).then(() => say('Copied'), () => say('Select the line and copy it'));
+      }))));
   }
 
   private sortBy(column: number): void {
@@ -204,4 +217,15 @@ function percent(part: number): string {
   const p = 100 * part;
   if (!Number.isFinite(p)) return '';
   return p < 0.005 ? '0' : p < 9.995 ? p.toFixed(2) : p.toFixed(1);
+}
+
+/** 1, 2, 3, 7 as "1-3, 7". */
+function ranges(numbers: number[]): string {
+  const runs: [number, number][] = [];
+  for (const n of numbers) {
+    const last = runs[runs.length - 1];
+    if (last && last[1] === n - 1) last[1] = n;
+    else runs.push([n, n]);
+  }
+  return runs.map(([a, b]) => (a === b ? `${a}` : `${a}-${b}`)).join(', ');
 }
