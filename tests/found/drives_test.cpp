@@ -1,15 +1,19 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
+#include <random>
 #include <string>
 #include <vector>
 
 #include "mbs/results/results.hpp"
 #include "tests/app/command.hpp"
 
-/// Drives that follow controls, of bodies that deform.
+/// Drives that follow controls, of bodies that deform; drives that lead where rest is asked for.
 namespace flexura::test {
 namespace {
 
@@ -41,6 +45,41 @@ TEST(Drives, OfBodiesThatDeformFollowControls) {
   for (const int column : {0, 1, 2, 3, 4})
     EXPECT_LT((by_speed.col(column) - by_acceleration.col(column)).norm(), 1e-5 * by_speed.col(column).norm())
         << column;
+}
+
+// "no equilibrium" and "equilibrium in 1 step, largest force left 0 N" of one state: a drive that leads at any speed has none, with
+// `statics` as with `eigen --equilibrium`; the same mechanism has one where the drive stands.
+TEST(Drives, ThatLeadHaveNoEquilibrium) {
+  using ::testing::HasSubstr;
+  using ::testing::Not;
+  const Folder folder;
+  std::mt19937 random(20261128);
+  std::uniform_real_distribution<double> exponent(-6.0, 2.0);
+  for (int i = 0; i < 40; ++i) {
+    const bool turns = random() % 2 == 0, stands = i % 5 == 0;
+    const double speed = stands ? 0.0 : (random() % 2 == 0 ? 1.0 : -1.0) * std::pow(10.0, exponent(random));
+    const std::string file = folder.write(
+        "led.toml",
+        fmt::format("[body.a]\nmass = 2\ninertia = [1, 1, 1]\n[joint.j]\ntype = \"{}\"\nfrom = "
+                    "\"ground\"\nto = \"a\"\ndrive_speed = \"{}\"\n[body.b]\nmass = 1\ninertia = [1, "
+                    "1, 1]\n[joint.k]\ntype = \"prismatic\"\nfrom = \"a\"\nto = \"b\"\n[force.s]\ntype = "
+                    "\"joint_spring_damper\"\njoint = \"k\"\nstiffness = 300\ndamping = 2\n",
+                    turns ? "revolute" : "prismatic", speed));
+    SCOPED_TRACE(read_text(file));
+    const Outcome text = run("flexura", {"statics", file}),
+                  json = run("flexura", {"statics", file, "--json"});
+    ASSERT_EQ(text.exit_code, 0) << text.err;
+    const auto told = nlohmann::json::parse(json.out)["runs"][0];
+    if (stands) {
+      EXPECT_THAT(text.out, HasSubstr("equilibrium in "));
+      EXPECT_THAT(text.err, Not(HasSubstr("no equilibrium")));
+      continue;
+    }
+    EXPECT_THAT(text.err, HasSubstr("no equilibrium: \"j."));
+    EXPECT_THAT(text.out, Not(HasSubstr("equilibrium in ")));
+    EXPECT_THAT(text.out, Not(HasSubstr("the equilibrium is")));
+    EXPECT_EQ(told["stability"], "unknown");
+  }
 }
 
 }  // namespace

@@ -103,16 +103,16 @@ void note_discretisation(mbs::PreparedMechanism& p) {
   if (std::string line = discretisation_line(p); !line.empty()) p.notes.push_back(std::move(line));
 }
 
-// The search ends where its steps do: where rows nearly contradict each other that is no equilibrium.
-void warn_of_force_left(mbs::PreparedMechanism& p, double left) {
+// The search ends where its steps do: where rows nearly contradict each other that is no equilibrium.  True where it warns.
+bool warn_of_force_left(mbs::PreparedMechanism& p, double left) {
   constexpr double kNoise = 1e-6;  // of what joints carry, and [N] of round-off in stiff parts
   const mbs::Mechanism& m = *p.mechanism;
-  if (m.sizes().n_lambda == 0) return;
+  if (m.sizes().n_lambda == 0) return false;
   const auto scratch = m.make_scratch();
   Eigen::VectorXd carried(m.sizes().n_v);
   m.apply_GT(p.state, p.state.p, p.state.lambda, *scratch, carried);
   const double most = carried.lpNorm<Eigen::Infinity>();
-  if (left <= kNoise || left <= kNoise * most) return;
+  if (left <= kNoise || left <= kNoise * most) return false;
   p.notes.push_back(
       mbs::warning_mark +
       fmt::format(
@@ -120,41 +120,49 @@ void warn_of_force_left(mbs::PreparedMechanism& p, double left) {
           "contradict each other, as of two bodies without the modes that let them meet: "
           "give attachments = \"used\"",
           terminal::number(left, 2), terminal::number(most, 2)));
+  return true;
 }
 
-// Drives of speeds by time: any position would do, and none lasts.
-void warn_of_speeds(mbs::PreparedMechanism& p) {
+// Drives of speeds by time: any position would do, and none lasts.  True where it warns.
+bool warn_of_speeds(mbs::PreparedMechanism& p) {
   constexpr double kNoise = 1e-9;  // [m/s, rad/s]
   const mbs::Mechanism& m = *p.mechanism;
   const mbs::Sizes n = m.sizes();
   const auto scratch = m.make_scratch();
   Eigen::VectorXd asked(n.n_lambda);
   m.velocity_constraints(p.state, p.state.p, Eigen::VectorXd::Zero(n.n_v), *scratch, asked);
-  for (int k = 0; k < n.n_lambda; ++k)
-    if (!m.is_holonomic(k) && std::abs(asked(k)) > kNoise)
-      p.notes.push_back(mbs::warning_mark + fmt::format("no equilibrium: \"{}\" leads at {} m/s (or rad/s) "
-                                                        "and is held at rest here; make it 0 there, or "
-                                                        "drive the position",
-                                                        m.name_of_constraint(k),
-                                                        terminal::number(std::abs(asked(k)), 3)));
+  bool leads = false;
+  for (int k = 0; k < n.n_lambda; ++k) {
+    if (m.is_holonomic(k) || !(std::abs(asked(k)) > kNoise)) continue;
+    leads = true;
+    p.notes.push_back(mbs::warning_mark + fmt::format("no equilibrium: \"{}\" leads at {} m/s (or rad/s) "
+                                                      "and is held at rest here; make it 0 there, or "
+                                                      "drive the position",
+                                                      m.name_of_constraint(k),
+                                                      terminal::number(std::abs(asked(k)), 3)));
+  }
+  return leads;
 }
 
 mbs::Stability move_to_equilibrium(mbs::PreparedMechanism& p) {
   const mbs::StaticsReport report = mbs::find_equilibrium(*p.mechanism, p.state);
   mbs::forget_ringing(p.notes);
-  warn_of_force_left(p, report.force_residual);
-  warn_of_speeds(p);
+  const bool has_force_left = warn_of_force_left(p, report.force_residual), leads = warn_of_speeds(p),
+             is_none = has_force_left || leads;
   mbs::AccelerationSolver(*p.mechanism).solve(p.state, p.v_dot);
-  p.notes.push_back(fmt::format("equilibrium in {} {}, largest force left {} N", report.iterations,
-                                report.iterations == 1 ? "step" : "steps",
-                                terminal::number(report.force_residual, 2)));
-  if (!report.stable)
+  if (!is_none)
+    p.notes.push_back(fmt::format("equilibrium in {} {}, largest force left {} N", report.iterations,
+                                  report.iterations == 1 ? "step" : "steps",
+                                  terminal::number(report.force_residual, 2)));
+  if (!report.stable && !is_none)
     p.notes.push_back(
         "the equilibrium is where the loads led as they grew; a stable one was not found near by");
   mbs::LinearRange range(*p.mechanism);
   range.observe(p.state);
   if (const std::string why = range.runaway(); !why.empty()) throw std::runtime_error(why);
   for (const std::string& sentence : range.sentences()) p.notes.push_back(mbs::warning_mark + sentence);
+  // What is no equilibrium is no stable one, either.
+  if (is_none) return {};
   mbs::Stability stability = mbs::stability_at_rest(*p.mechanism, p.state);
   if (std::string said = mbs::sentence(*p.mechanism, stability, "the equilibrium"); !said.empty())
     p.notes.push_back(std::move(said));
