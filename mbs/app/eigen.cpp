@@ -399,7 +399,7 @@ terminal::Command eigen_command() {
             .flag("--frozen", a->frozen, kFrozenHelp)
             .flag("--fixed-axes", a->fixed_axes,
                   "of a rotor, also the whirl speeds in axes that stand still: positive with the rotation")
-            .option("-n,--count", a->count, "N", "print at most so many (30)")
+            .option("-n,--count", a->count, "N", "print at most so many, the slowest (30)")
             .option("--pictures", a->pictures, "FILE",
                     "results file with the modes as runs, for flexura view")
             .flag("--json", a->json, "print JSON, with the mode shapes (SI units)")

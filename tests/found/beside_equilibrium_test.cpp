@@ -5,8 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "mbs/base/hdf5/file.hpp"
 #include "tests/app/command.hpp"
@@ -25,6 +28,44 @@ class BesideEquilibrium : public ::testing::Test {
   }
   Folder folder_;
 };
+
+// The first N were those that do not vibrate, however fast they decay: a damper of 1e5 1/s before the vibrations at 1 Hz that were
+// asked for.  Masses on springs and dampers of their own have s^2 + 2 zeta w s + w^2 = 0.
+TEST_F(BesideEquilibrium, TheFirstModesAreTheSlowest) {
+  std::mt19937 random(20261128);
+  const auto draw = [&](double least, double most) {
+    return std::uniform_real_distribution<double>(least, most)(random);
+  };
+  for (int i = 0; i < 20; ++i) {
+    constexpr int kMasses = 6;
+    std::vector<std::complex<double>> wanted;
+    std::string text = "gravity = [0, 0, 0]\n";
+    for (int k = 0; k < kMasses; ++k) {
+      const double w = std::pow(10.0, draw(0.0, 3.0)),
+                   zeta = random() % 2 == 0 ? draw(0.0, 0.9) : std::pow(10.0, draw(0.1, 2.0));
+      text += fmt::format(
+          "[body.b{0}]\nmass = 1\n[joint.j{0}]\ntype = \"prismatic\"\nfrom = \"ground\"\nto = \"b{0}\"\n"
+          "[force.s{0}]\ntype = \"joint_spring_damper\"\njoint = \"j{0}\"\nstiffness = {1}\ndamping = {2}\n",
+          k, w * w, 2.0 * zeta * w);
+      const std::complex<double> root = std::sqrt(std::complex<double>(zeta * zeta - 1.0, 0.0));
+      wanted.push_back(w * (-zeta + root));
+      if (zeta > 1.0) wanted.push_back(-w / (zeta + root));
+      if (zeta > 1.0) wanted[wanted.size() - 2] = -w * (zeta + root);
+    }
+    std::ranges::sort(wanted, {}, [](const std::complex<double>& s) { return std::abs(s); });
+    const int count = 1 + static_cast<int>(random() % wanted.size());
+    const nlohmann::json modes =
+        eigen(folder_.write("m.toml", text), {"--count", std::to_string(count)})["modes"];
+    ASSERT_EQ(modes.size(), static_cast<std::size_t>(count)) << text;
+    for (int k = 0; k < count; ++k) {
+      const std::complex<double> found(modes[k]["real_1_s"].get<double>(),
+                                       modes[k]["imag_1_s"].get<double>()),
+          exact = wanted[static_cast<std::size_t>(k)];
+      // Round-off of a matrix whose eigenvalues are 1e-2 to 1e5.
+      EXPECT_LT(std::abs(found - exact), 1e-6 * std::abs(exact) + 1e-8) << k << "\n" << text;
+    }
+  }
+}
 
 const char* const kSoftPart = R"(
 [material.s]

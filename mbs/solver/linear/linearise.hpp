@@ -99,8 +99,8 @@ struct NaturalMode {
   Eigen::VectorXcd shape;  ///< of the velocity coordinates q (n_v), largest entry 1
 };
 
-/// Eigenvalues of A by rising frequency, of each conjugate pair the one with positive imaginary part.  Parts that are
-/// no more than noise are 0.
+/// Eigenvalues of A by rising magnitude (of a vibration its undamped frequency), of each conjugate pair the one with positive
+/// imaginary part.  Parts that are no more than noise are 0.
 std::vector<NaturalMode> natural_modes(const LinearSystem& system);
 
 /// C (i omega - A)^-1 B + D + i omega D_1 - omega^2 D_2 at each of these frequencies [Hz].

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "mbs/solver/linear/linearise.hpp"
 
@@ -89,11 +90,15 @@ std::vector<NaturalMode> natural_modes(const LinearSystem& system) {
       mode.shape /= mode.shape(largest);
     modes.push_back(std::move(mode));
   }
-  std::stable_sort(modes.begin(), modes.end(), [](const NaturalMode& a, const NaturalMode& b) {
-    return std::abs(a.eigenvalue.imag()) != std::abs(b.eigenvalue.imag())
-               ? std::abs(a.eigenvalue.imag()) < std::abs(b.eigenvalue.imag())
-               : a.eigenvalue.real() < b.eigenvalue.real();
-  });
+  // The slowest first, whether it vibrates or creeps: strongly damped modes do not come before the vibrations below them.
+  std::ranges::stable_sort(modes, {}, [](const NaturalMode& mode) { return std::abs(mode.eigenvalue); });
+  // Of a state that is left as fast as it is come back to, what decays before what grows.
+  constexpr double kSame = 1e-9;
+  for (std::size_t i = 1; i < modes.size(); ++i) {
+    const std::complex<double> before = modes[i - 1].eigenvalue, after = modes[i].eigenvalue;
+    if (std::abs(before + after) < kSame * std::abs(after) && before.real() > after.real())
+      std::swap(modes[i - 1], modes[i]);
+  }
   return modes;
 }
 
