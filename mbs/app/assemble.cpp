@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "mbs/app/commands.hpp"
@@ -36,6 +37,14 @@ nlohmann::json to_json(const NamedRun& run) {
         {{"name", m.name_of_velocity(i)}, {"value", p.state.v(i)}, {"acceleration", p.v_dot(i)}});
   for (int i = 0; i < n.n_lambda; ++i)
     multipliers.push_back({{"name", m.name_of_constraint(i)}, {"value", p.state.lambda(i)}});
+  json &dynamic = out["dynamic"] = json::array(), &algebraic = out["algebraic"] = json::array(),
+       &switches = out["switches"] = json::array();
+  for (int i = 0; i < n.n_dyn; ++i)
+    dynamic.push_back({{"name", m.name_of_dynamic(i)}, {"value", p.state.c(i)}});
+  for (int i = 0; i < n.n_alg; ++i)
+    algebraic.push_back({{"name", m.name_of_algebraic(i)}, {"value", p.state.a(i)}});
+  for (int i = 0; i < std::min(n.n_root, static_cast<int>(p.state.root.size())); ++i)
+    switches.push_back({{"name", m.name_of_root(i)}, {"value", p.state.root[static_cast<std::size_t>(i)]}});
   out["iterations"] = p.assembly.iterations;
   out["position_residual"] = p.assembly.position_residual;
   out["velocity_residual"] = p.assembly.velocity_residual;
@@ -76,6 +85,18 @@ int print_assembled(const Arguments& arguments, const terminal::Verbosity& verbo
         multipliers.add_row({text.multiplier_name(i), text.multiplier(i, 9)});
       fmt::print("{}\n", multipliers.text(terminal::width(stdout), colour));
     }
+    if (n.n_dyn + n.n_alg + n.n_root > 0) {
+      const mbs::Mechanism& m = *p.mechanism;
+      terminal::Table others({{"state", Align::left}, {"kind", Align::left}, {"value"}});
+      for (int i = 0; i < n.n_dyn; ++i)
+        others.add_row({text.other_name(m.name_of_dynamic(i)), "dynamic", number(p.state.c(i), 9)});
+      for (int i = 0; i < n.n_alg; ++i)
+        others.add_row({text.other_name(m.name_of_algebraic(i)), "algebraic", number(p.state.a(i), 9)});
+      for (int i = 0; i < std::min(n.n_root, static_cast<int>(p.state.root.size())); ++i)
+        others.add_row(
+            {m.name_of_root(i), "switch", fmt::format("{}", p.state.root[static_cast<std::size_t>(i)])});
+      fmt::print("{}\n", others.text(terminal::width(stdout), colour));
+    }
     fmt::print("assembled in {} steps; residuals {} (position), {} (velocity)\n", p.assembly.iterations,
                number(p.assembly.position_residual, 2), number(p.assembly.velocity_residual, 2));
     for (const std::string& note : p.notes) terminal::say(stdout, "note: " + note);
@@ -92,7 +113,8 @@ terminal::Command assemble_command() {
             declare_mechanism(options, *a);
             options.option("--save-state", a->save_state, "FILE", "write the assembled states there")
                 .flag("--json", a->json, "print JSON (SI units)")
-                .example("flexura assemble engine.toml", "positions, velocities, accelerations, multipliers");
+                .example("flexura assemble engine.toml",
+                         "positions, velocities, accelerations, multipliers, states of controls");
             return [a, &verbosity] { return print_assembled(*a, verbosity); };
           }};
 }

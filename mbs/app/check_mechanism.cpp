@@ -123,11 +123,12 @@ int check_mechanism(const MechanismArguments& arguments, bool json, const termin
     if (n.n_dyn + n.n_lambda + n.n_alg + n.n_root > 0) {
       terminal::Table others({{"state", terminal::Align::left}, {"kind", terminal::Align::left}, {"value"}});
       for (int i = 0; i < n.n_dyn; ++i)
-        others.add_row({m.name_of_dynamic(i), "dynamic", terminal::number(p.state.c(i), 7)});
+        others.add_row({text.other_name(m.name_of_dynamic(i)), "dynamic", terminal::number(p.state.c(i), 7)});
       for (int i = 0; i < n.n_lambda; ++i)
         others.add_row({text.multiplier_name(i), "constraint force", text.multiplier(i, 7)});
       for (int i = 0; i < n.n_alg; ++i)
-        others.add_row({m.name_of_algebraic(i), "algebraic", terminal::number(p.state.a(i), 7)});
+        others.add_row(
+            {text.other_name(m.name_of_algebraic(i)), "algebraic", terminal::number(p.state.a(i), 7)});
       for (int i = 0; i < n.n_root; ++i)
         others.add_row(
             {m.name_of_root(i), "root",

@@ -64,6 +64,11 @@ std::string StateText::multiplier_name(int i) const {
   return with_unit(p_.mechanism->name_of_constraint(i), mbs::force_unit_of(*p_.mechanism, i));
 }
 
+std::string StateText::other_name(const std::string& name) const {
+  const std::string unit = unit_of(name);
+  return unit.empty() ? name : with_unit(name, unit);
+}
+
 std::string StateText::position(int i, int digits) const {
   const double value = p_.state.p(i), reach = p_.options.scales ? p_.options.scales->reach_p(i) : 1.0;
   return terminal::number(std::abs(value) * reach < kRoundOff * length_ ? 0.0 : value, digits);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "mbs/solver/start/prepare.hpp"
 
@@ -16,6 +18,9 @@ class StateText {
   std::string position_name(int i) const;
   std::string velocity_name(int i) const;
   std::string multiplier_name(int i) const;
+
+  /// A dynamic or algebraic state, with its unit where results have one.
+  std::string other_name(const std::string& name) const;
 
   /// Their values. A displacement, a speed, an acceleration that moves nothing by more than 1e-13 of the mechanism's
   /// size, of its fastest motion, of its largest acceleration (or gravity) is round-off and printed as 0.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/mbs/app/flexura_fixture.hpp"
@@ -93,6 +94,44 @@ end_time = 0.1
   EXPECT_EQ(ended["summary"]["end_time"], 0.1);
   // A file that names no runs has none to speak of.
   EXPECT_THAT(flexura("check " + mechanism.string()).out, ::testing::StartsWith("spring, t = 0 s\n"));
+}
+
+// Where controls stand: what a saved state holds of them, by the same names; a^3 + a = 10 + 0.25 is solved by 2.01909.
+TEST_F(Flexura, AssembleShowsTheStatesOfControls) {
+  const auto mechanism = folder_ / "controls.toml", saved = folder_ / "saved.json";
+  std::ofstream(mechanism) << "name = \"controls\"\n"
+                           << kBlockOnGuide << R"toml([control.lag]
+type = "filter"
+input = "slide.position"
+time_constant = 0.1
+start = 0.25
+[control.root]
+type = "algebraic"
+equation = "root^3 + root - 10 - lag"
+guess = 2
+[control.held]
+type = "sample"
+input = "0.5 + lag"
+period = 0.01
+[control.open]
+type = "relay"
+input = "t - 1"
+)toml";
+  const std::string command = "assemble " + mechanism.string();
+  const nlohmann::json run =
+      only_run(flexura(command + " --json --save-state " + saved.string()), "assembled", "controls");
+  const nlohmann::json state = nlohmann::json::parse(std::ifstream(saved));
+  for (const char* const kind : {"dynamic", "algebraic"}) {
+    ASSERT_EQ(run[kind].size(), state[kind].size()) << kind;
+    for (const auto& one : run[kind])
+      EXPECT_EQ(one["value"], state[kind][one["name"].get<std::string>()]) << one["name"];
+  }
+  ASSERT_EQ(run["switches"].size(), state["switches"].size());
+  for (std::size_t i = 0; i < state["switches"].size(); ++i)
+    EXPECT_EQ(run["switches"][i]["value"], state["switches"][i]);
+  const std::string text = flexura(command).out;
+  for (const char* const shown : {"lag", "0.25", "root", "2.0190", "held", "0.75", "open", "switch"})
+    EXPECT_THAT(text, ::testing::HasSubstr(shown));
 }
 
 // What a run stored, and what was computed from it afterwards: a block thrown up a guide at 3 m/s, g = 10
