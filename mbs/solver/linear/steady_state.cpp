@@ -219,9 +219,14 @@ std::string Judge::change_along(const TurningAxes& axes, double tau, double& cha
         turned(axes.W, part * tau)};
   };
   change = largest_difference(now, there_now, sizes, where);
-  if (int unused = 0;
-      change > kSameCoefficient && change <= kAbove * largest_difference(now, beside(kAtOnce), sizes, unused))
-    change = 0.0;
+  // What light parts leave of heavy ones cancels in other ways in axes that have turned on: there, too, a moment later.
+  const auto noise = [&] {
+    int unused = 0;
+    const LaterSystem soon_after{beside(1.0 + kAtOnce).system, turned(axes.W, kAtOnce * tau)};
+    return std::max(largest_difference(now, beside(kAtOnce), sizes, unused),
+                    largest_difference(then, soon_after, sizes, unused));
+  };
+  if (change > kSameCoefficient && change <= kAbove * noise()) change = 0.0;
   if (change <= kSameCoefficient) {
     std::string coupled;
     change = std::max(change, largest_coupling_difference(now, beside(kAtOnce), there_now,
