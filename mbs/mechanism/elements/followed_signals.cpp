@@ -170,8 +170,10 @@ void FollowedSignals::need(int place, int order) {
 std::vector<int> FollowedSignals::made_of(int place) const {
   const auto& source = states_.sources()[place];
   if (source.kind == Kind::measure) return tree_.d.measures[source.element]->reads();
-  std::vector<int> reads;
-  if (const Control* control = algebraic(place)) reads = control->reads();
+  if (source.kind != Kind::control) return {};
+  const Control& control = *tree_.d.controls[source.element];
+  if (!control.is_algebraic() && !control.feeds_through()) return {};
+  std::vector<int> reads = control.reads();
   std::erase(reads, place);
   return reads;
 }

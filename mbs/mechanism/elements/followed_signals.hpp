@@ -58,7 +58,7 @@ class FollowedSignals {
   std::optional<Unknown> find_unknown(int place, int order) const;
   std::optional<Unknown> find_dependent(int place) const;
   void need(int place, int order);
-  /// What a signal is made of at once: of a measure and an algebraic state all others that it reads.
+  /// What a signal is made of at once: what a measure, an algebraic state, a control that feeds through reads.
   std::vector<int> made_of(int place) const;
   void list_places();
   void order_by_reads(int place, std::vector<int>& state, std::vector<int>& list) const;

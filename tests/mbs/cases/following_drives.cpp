@@ -248,7 +248,7 @@ TEST_F(FollowingDriveFiles, SayWhatTheyCannotFollow) {
               HasSubstr("\"r\" jumps where it switches, and no position can"));
   EXPECT_THAT(driven("drive = \"y > 0 ? 1 : 0\"", "[control.y]\ntype = \"state\"\nrate = \"1\"\n"),
               HasSubstr("jumps with the motion, and no position can"));
-  EXPECT_THAT(driven("drive = \"hook.angle\"", ""), HasSubstr("type = \"coupler\""));
+  EXPECT_THAT(driven("drive = \"hook.angle\"", ""), HasSubstr("by a constraint (type = \"expression\")"));
   EXPECT_THAT(driven("drive = \"k\"", "[control.k]\ntype = \"pid\"\nerror = \"hook.angle\"\n"),
               HasSubstr("a pid that passes on what it reads"));
   EXPECT_THAT(
@@ -257,8 +257,16 @@ TEST_F(FollowingDriveFiles, SayWhatTheyCannotFollow) {
           "it reads \"hook.speed\", a speed, whose rate is an acceleration; put a control of type filter"));
   EXPECT_THAT(driven("drive_speed = \"hook.speed\"", ""),
               HasSubstr("a speed, whose rate is an acceleration"));
-  EXPECT_THAT(driven("drive = \"y\"", "[control.y]\ntype = \"algebraic\"\nequation = \"y - t\"\n"),
-              HasSubstr("an algebraic state"));
+  EXPECT_THAT(driven("drive = \"y\"", "[control.y]\ntype = \"algebraic\"\nequation = \"y - hook.angle\"\n"),
+              HasSubstr("an algebraic state that depends on \"hook.angle\", a coordinate"));
+  EXPECT_THAT(driven("drive = \"y\"",
+                     "[control.y]\ntype = \"algebraic\"\nequation = \"y - sign(z)\"\n[control.z]\ntype = "
+                     "\"state\"\nrate = \"1\"\n"),
+              HasSubstr("\"y\" jumps where it switches"));
+  EXPECT_THAT(driven("drive = \"y\"",
+                     "[control.y]\ntype = \"algebraic\"\nequation = \"y - 2*z + t\"\n[control.z]\ntype = "
+                     "\"algebraic\"\nequation = \"z - y\"\n"),
+              HasSubstr("\"y\" is an algebraic state that depends on itself through others"));
   EXPECT_THAT(driven("drive = \"z\"", "[control.y]\ntype = \"state\"\nrate = \"1\"\n"),
               HasSubstr("\"z\" is not known"));
 }

@@ -251,17 +251,26 @@ value = "-0.003*load*high.speed"
 }
 
 TEST_F(ReactionFiles, AConstraintReadsPositionsOnly) {
-  EXPECT_THAT(refusal(wheel + "[constraint.c]\ntype = \"expression\"\nvalue = \"axle.speed - 2\"\n"),
-              HasSubstr("reads \"axle.speed\", a speed; let it read t, parameters, joint coordinates"));
+  EXPECT_THAT(
+      refusal(wheel + "[constraint.c]\ntype = \"expression\"\nvalue = \"axle.speed - 2\"\n"),
+      HasSubstr("reads \"axle.speed\", a speed; let it read t, parameters, inputs, states of controls, "
+                "joint coordinates"));
   for (const std::string jump : {"axle.angle > 1 ? 0.1 : 0", "sign(axle.angle)", "0.1*floor(t)"})
     EXPECT_THAT(
         refusal(wheel + "[constraint.c]\ntype = \"expression\"\nvalue = \"axle.angle - (" + jump + ")\"\n"),
         HasSubstr("holds a comparison, a sign or a rounding"));
   EXPECT_THAT(refusal(wheel + "[constraint.c]\ntype = \"expression\"\nvalue = \"t - 2\"\n"),
               HasSubstr("reads no coordinate"));
-  EXPECT_THAT(refusal(wheel + "[control.f]\ntype = \"filter\"\ninput = \"t\"\ntime_constant = 1\n"
-                              "[constraint.c]\ntype = \"expression\"\nvalue = \"axle.angle - f\"\n"),
-              HasSubstr("reads \"f\", a control, an input or a reaction"));
+  const auto follows = [&](const std::string& control) {
+    return refusal(wheel + "[control.f]\n" + control +
+                   "[constraint.c]\ntype = \"expression\"\nvalue = \"axle.angle - f\"\n");
+  };
+  EXPECT_THAT(follows("type = \"sample\"\ninput = \"t\"\nperiod = 1\n"),
+              HasSubstr("\"f\" jumps where it switches"));
+  EXPECT_THAT(follows("type = \"relay\"\ninput = \"t - 1\"\n"), HasSubstr("\"f\" jumps where it switches"));
+  EXPECT_THAT(follows("type = \"pid\"\nerror = \"t\"\n"), HasSubstr("a pid that passes on what it reads"));
+  EXPECT_THAT(follows("type = \"filter\"\ninput = \"axle.speed\"\ntime_constant = 1\n"),
+              HasSubstr("it reads \"axle.speed\", a speed"));
 }
 
 // A cam by a table of heights moved by time, through a measure that is a formula.
