@@ -77,7 +77,7 @@ TEST(Orientations, ThatAreNoneAreRefusedByTheirKeys) {
   };
   EXPECT_THAT(refusal("angles = [1, 0, 0]\nrotation = [1, 0, 0]\n"),
               testing::HasSubstr("has both rotation and angles"));
-  EXPECT_THAT(refusal("sequence = \"zxz\"\n"), testing::HasSubstr("sequence goes with angles only"));
+  EXPECT_THAT(refusal("sequence = \"zxz\"\n"), testing::HasSubstr("goes with angles only"));
   EXPECT_THAT(refusal("angles = [1, 0, 0]\nsequence = \"xxy\"\n"), testing::HasSubstr("sequence"));
   EXPECT_THAT(refusal("direction_cosines = [[1, 0, 0], [0, 1, 0]]\n"),
               testing::HasSubstr("not three vectors"));
