@@ -91,9 +91,12 @@ struct ExtrudedSurface {
   Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor> edges;        ///< outlines at the members' ends
   std::vector<int> element;
   std::vector<Eigen::Matrix<double, 3, 12>> at;
+  std::vector<double> x;                ///< of each vertex in its element [m]
+  std::vector<Eigen::Vector2d> across;  ///< y, z in the member's axes [m]
 };
 /// `slices` along each member, fewer (and fewer corners on round sections) where the vertices would exceed
-/// `most_vertices`.
-ExtrudedSurface extruded_surface(const BeamMesh& mesh, int slices = 8, int most_vertices = 40000);
+/// `most_vertices`.  `fine`: straight sides of standard sections have points between their corners.
+ExtrudedSurface extruded_surface(const BeamMesh& mesh, int slices = 8, int most_vertices = 40000,
+                                 bool fine = false);
 
 }  // namespace flexura::beam

@@ -25,6 +25,8 @@ struct SectionEntry {
   Section section;
   std::optional<Shape> shape;
   std::optional<ShearFormula> formula;
+  /// Without a shape: (sigma_xx, tau_xy, tau_xz) by the resultants at each point of the outline; empty: not known.
+  std::vector<Eigen::Matrix<double, 3, 6>> outline_stress = {};
 };
 
 struct MemberEnd {

@@ -89,9 +89,29 @@ std::vector<Loop> thinned(const std::vector<Loop>& outline, int corners) {
   return result;
 }
 
+// Four pieces of each side of a box.
+std::vector<Loop> divided(const std::vector<Loop>& outline) {
+  constexpr int kPieces = 4;
+  std::vector<Loop> result;
+  for (const Loop& loop : outline) {
+    if (loop.rows() != 4) {
+      result.push_back(loop);
+      continue;
+    }
+    Loop fine(4 * kPieces, 2);
+    for (int side = 0; side < 4; ++side)
+      for (int k = 0; k < kPieces; ++k) {
+        const double t = static_cast<double>(k) / kPieces;
+        fine.row(kPieces * side + k) = (1.0 - t) * loop.row(side) + t * loop.row((side + 1) % 4);
+      }
+    result.push_back(fine);
+  }
+  return result;
+}
+
 }  // namespace
 
-ExtrudedSurface extruded_surface(const BeamMesh& mesh, int slices, int most_vertices) {
+ExtrudedSurface extruded_surface(const BeamMesh& mesh, int slices, int most_vertices, bool fine) {
   const Model& model = mesh.model();
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<int, 3>> triangles;
@@ -130,6 +150,7 @@ ExtrudedSurface extruded_surface(const BeamMesh& mesh, int slices, int most_vert
       if (member.section_at_end >= 0)
         outline = outline_of(interpolate(*first.shape, *model.sections[member.section_at_end].shape, s));
       outline = thinned(outline, corners);
+      if (fine && first.shape) outline = divided(outline);
       const Matrix6x12d d = mesh.element(record).shape(x) * record.placement.transform();
       const int base = static_cast<int>(vertices.size());
       int start = base;
@@ -143,6 +164,8 @@ ExtrudedSurface extruded_surface(const BeamMesh& mesh, int slices, int most_vert
           at.row(1) = d.row(1) - z * d.row(3);
           at.row(2) = d.row(2) + y * d.row(3);
           surface.at.push_back(R * at);
+          surface.x.push_back(x);
+          surface.across.emplace_back(y, z);
           surface.element.push_back(static_cast<int>(e));
           const int here = start + k, right = start + (k + 1) % m;
           if (slice > 0) {

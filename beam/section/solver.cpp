@@ -80,46 +80,53 @@ void find_warping(SectionProperties& s, const SectionMesh& mesh, const SaintVena
   s.warping = omega;
 }
 
-// Stresses at the boundary nodes furthest out in eight directions, mean over the triangles that meet there.
-void find_stress_points(SectionProperties& s, const SectionMesh& mesh, const std::vector<Matrix6d>& Q_of_cell,
-                        const SaintVenantFields& solution, const std::vector<int>& boundary) {
+// Stresses at the boundary nodes, mean over the triangles that meet there; points are those furthest out in eight directions.
+void find_stresses(SectionProperties& s, const SectionMesh& mesh, const std::vector<Matrix6d>& Q_of_cell,
+                   const SaintVenantFields& solution, const std::vector<int>& boundary) {
   static const std::array<const char*, 8> names = {"+y", "+y+z", "+z", "-y+z", "-y", "-y-z", "-z", "+y-z"};
   constexpr double corner_r[] = {0, 1, 0, 0.5, 0.5, 0}, corner_s[] = {0, 0, 1, 0, 0.5, 0.5};
+  std::vector<int> place(static_cast<std::size_t>(mesh.points.rows()), -1), meeting(boundary.size(), 0);
+  for (std::size_t k = 0; k < boundary.size(); ++k)
+    if (int& first = place[static_cast<std::size_t>(boundary[k])]; first < 0) first = static_cast<int>(k);
+  std::vector<Eigen::Matrix<double, 3, 6>>& S = s.outline_stress;
+  S.assign(boundary.size(), Eigen::Matrix<double, 3, 6>::Zero());
+  for (int cell = 0; cell < mesh.triangles.rows(); ++cell)
+    for (int k = 0; k < 6; ++k) {
+      const int at = place[static_cast<std::size_t>(mesh.triangles(cell, k))];
+      if (at < 0) continue;
+      const Operators o = operators_at(place_in(mesh, cell, corner_r[k], corner_s[k]));
+      Eigen::Matrix<double, 18, 6> X, X_1;
+      for (int j = 0; j < 18; ++j) {
+        X.row(j) = solution.X.row(3 * mesh.triangles(cell, j / 3) + j % 3);
+        X_1.row(j) = solution.X_1.row(3 * mesh.triangles(cell, j / 3) + j % 3);
+      }
+      const Matrix6d stress = Q_of_cell[cell] * (o.Phi * solution.Y + o.B * X + o.S * X_1);
+      auto& sum = S[static_cast<std::size_t>(at)];
+      sum.row(0) += stress.row(0);
+      sum.row(1) += stress.row(5);
+      sum.row(2) += stress.row(4);
+      ++meeting[static_cast<std::size_t>(at)];
+    }
+  for (std::size_t k = 0; k < boundary.size(); ++k) {
+    const auto first = static_cast<std::size_t>(place[static_cast<std::size_t>(boundary[k])]);
+    S[k] = k == first ? Eigen::Matrix<double, 3, 6>(S[k] / meeting[k]) : S[first];
+  }
   for (int direction = 0; direction < 8; ++direction) {
     const double phi = 0.25 * std::numbers::pi * direction;
-    int node = boundary.front();
+    std::size_t chosen = 0;
     double best = -std::numeric_limits<double>::infinity();
-    for (const int candidate : boundary) {
+    for (std::size_t candidate = 0; candidate < boundary.size(); ++candidate) {
       // Of a flat side its middle: a little is taken off for the distance from the ray through the centroid.
-      const Eigen::RowVector2d d = mesh.points.row(candidate) - s.centroid.transpose();
+      const Eigen::RowVector2d d = mesh.points.row(boundary[candidate]) - s.centroid.transpose();
       const double reach = std::cos(phi) * d(0) + std::sin(phi) * d(1) -
                            1e-6 * std::abs(std::cos(phi) * d(1) - std::sin(phi) * d(0));
       if (reach > best + 1e-9 * s.size) {
         best = reach;
-        node = candidate;
+        chosen = candidate;
       }
     }
-    StressPoint point;
-    point.name = names[direction];
-    point.y = mesh.points(node, 0);
-    point.z = mesh.points(node, 1);
-    int meeting = 0;
-    for (int cell = 0; cell < mesh.triangles.rows(); ++cell)
-      for (int k = 0; k < 6; ++k) {
-        if (mesh.triangles(cell, k) != node) continue;
-        const Operators o = operators_at(place_in(mesh, cell, corner_r[k], corner_s[k]));
-        Eigen::Matrix<double, 18, 6> X, X_1;
-        for (int j = 0; j < 18; ++j) {
-          X.row(j) = solution.X.row(3 * mesh.triangles(cell, j / 3) + j % 3);
-          X_1.row(j) = solution.X_1.row(3 * mesh.triangles(cell, j / 3) + j % 3);
-        }
-        const Matrix6d stress = Q_of_cell[cell] * (o.Phi * solution.Y + o.B * X + o.S * X_1);
-        point.S.row(0) += stress.row(0);
-        point.S.row(1) += stress.row(5);
-        point.S.row(2) += stress.row(4);
-        ++meeting;
-      }
-    point.S /= meeting;
+    const StressPoint point{names[direction], mesh.points(boundary[chosen], 0),
+                            mesh.points(boundary[chosen], 1), S[chosen]};
     const bool known = std::any_of(
         s.section.points.begin(), s.section.points.end(),
         [&](const StressPoint& p) { return std::hypot(p.y - point.y, p.z - point.z) < 1e-9 * s.size; });
@@ -203,7 +210,7 @@ SectionProperties solve_section(const std::string& name, const SectionMesh& mesh
   section.constants = constants;
   std::vector<int> boundary;
   section.outline = boundary_loops(mesh, boundary);
-  find_stress_points(s, mesh, Q, solution, boundary);
+  find_stresses(s, mesh, Q, solution, boundary);
   return s;
 }
 

@@ -86,6 +86,9 @@ struct SectionProperties {
   /// Warping u_x per unit twist rate about the shear centre, at each mesh node [m^2].
   Eigen::VectorXd warping;
 
+  /// (sigma_xx, tau_xy, tau_xz) by the six resultants at each point of section.outline, its loops one after the other.
+  std::vector<Eigen::Matrix<double, 3, 6>> outline_stress;
+
   Section section;  ///< 6x6, inertia, outline, stress points; open_thin_walled where decay_length exceeds the
                     ///< size
 };

@@ -41,12 +41,13 @@ beam::SparseMatrix with_solids(const Structure& structure, const beam::SparseMat
 
 }  // namespace
 
-Structure::Structure(beam::BeamMesh mesh, std::vector<AttachedSolid> solids, std::vector<NodeLink> links)
+Structure::Structure(beam::BeamMesh mesh, std::vector<AttachedSolid> solids, std::vector<NodeLink> links,
+                     bool fine_outlines)
     : mesh_(std::move(mesh)),
       solids_(std::move(solids)),
       links_(std::move(links)),
       n_dofs_(mesh_.n_dofs()),
-      beams_(beam::extruded_surface(mesh_)) {
+      beams_(beam::extruded_surface(mesh_, 8, 40000, fine_outlines)) {
   used_.assign(mesh_.n_dofs(), false);
   const auto use = [this](int node) { std::fill_n(used_.begin() + 6 * node, 6, true); };
   for (const beam::MeshElement& element : mesh_.elements())

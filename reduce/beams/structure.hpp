@@ -47,8 +47,8 @@ class Structure {
  public:
   /// Throws std::invalid_argument for solids whose interfaces lack directions or lie elsewhere than their
   /// node.
-  Structure(beam::BeamMesh mesh, std::vector<AttachedSolid> solids = {},
-            std::vector<NodeLink> links = {});  // beams alone are a structure
+  Structure(beam::BeamMesh mesh, std::vector<AttachedSolid> solids = {}, std::vector<NodeLink> links = {},
+            bool fine_outlines = false);  // beams alone are a structure
 
   const beam::BeamMesh& mesh() const { return mesh_; }
   const std::vector<AttachedSolid>& solids() const { return solids_; }
@@ -72,6 +72,8 @@ class Structure {
   /// Beams and solids together, and the displacements of their vertices: rows 3 v + a of shapes(U), U n_dofs
   /// x k.
   const Picture& picture() const { return picture_; }
+  /// The members' share of it, which comes first.
+  const beam::ExtrudedSurface& outlines() const { return beams_; }
   Eigen::MatrixXf shapes(const Eigen::MatrixXd& U) const;
 
  private:

@@ -194,6 +194,7 @@ BeamPartInput read_beam_part(const std::filesystem::path& file, const std::vecto
   if (mesh.has("frequency")) part.subdivision.max_frequency_hz = mesh.quantity("frequency");
   part.subdivision.frequency_error = mesh.quantity("frequency_error");
   read_request(in, part);
+  part.recovery = read_recovery(in.table("recovery"));
   try {
     beam::check(model);
   } catch (const std::invalid_argument& error) {

@@ -129,6 +129,7 @@ const TableSchema& beam_schema() {
         input::table("mesh", mesh_schema(), "division into elements"),
         input::table("modes", modes_schema(), "modes"),
         input::table("damping", damping_schema(), "damping"),
+        input::table("recovery", recovery_schema(), "stresses"),
     };
     return s;
   }();

@@ -137,7 +137,7 @@ beam::SectionEntry read_beam_section(const std::string& name, const Section& in,
     entry.shape = beam::HollowEllipse{q("width"), q("height"), q("inner_width"), q("inner_height")};
   try {
     if (type == "file") {
-      entry.section = read_section_result(name, in.file("file"));
+      entry.section = read_section_result(name, in.file("file"), &entry.outline_stress);
       return entry;
     }
     if (type == "matrix") {

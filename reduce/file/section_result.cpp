@@ -43,7 +43,10 @@ const TableSchema& section_result_schema() {
         input::quantity("z", dim::length, "place").required(),
         input::matrix("stress", "3 x 6: sigma_xx, tau_xy, tau_xz of N, V_y, V_z, T, M_y, M_z").required()};
     TableSchema outline{.name = "outline", .doc = "A closed line around the material or a hole."};
-    outline.keys = {input::matrix("points", "rows [y, z] in m").required()};
+    outline.keys = {
+        input::matrix("points", "rows [y, z] in m").required(),
+        input::matrix("stress",
+                      "three rows for each point: sigma_xx, tau_xy, tau_xz of N, V_y, V_z, T, M_y, M_z")};
     TableSchema s{.name = "section", .doc = "A solved section, written by `flexura section`."};
     s.keys = {input::quantity("I_t", dim::area_moment, "torsion constant").required(),
               input::quantity("I_w", {{6, 0, 0, 0}}, "warping constant").required(),
@@ -70,12 +73,18 @@ std::string section_result(const beam::SectionProperties& s) {
   for (const beam::StressPoint& point : s.section.points)
     text += fmt::format("\n[[point]]\nname = \"{}\"\ny = {:.17g}\nz = {:.17g}\nstress = {}\n", point.name,
                         point.y, point.z, list(point.S, "{:.17g}"));
-  for (const beam::Loop& loop : s.section.outline)
-    text += fmt::format("\n[[outline]]\npoints = {}\n", list(loop, "{:.9g}"));
+  std::size_t first = 0;
+  for (const beam::Loop& loop : s.section.outline) {
+    Eigen::MatrixXd stress(3 * loop.rows(), 6);
+    for (Eigen::Index k = 0; k < loop.rows(); ++k) stress.middleRows<3>(3 * k) = s.outline_stress.at(first++);
+    text += fmt::format("\n[[outline]]\npoints = {}\nstress = {}\n", list(loop, "{:.9g}"),
+                        list(stress, "{:.9g}"));
+  }
   return text;
 }
 
-beam::Section read_section_result(const std::string& name, const std::filesystem::path& file) {
+beam::Section read_section_result(const std::string& name, const std::filesystem::path& file,
+                                  std::vector<Eigen::Matrix<double, 3, 6>>* outline_stress) {
   const Section in = input::read_document(file, section_result_schema());
   beam::Section section;
   try {
@@ -99,6 +108,9 @@ beam::Section read_section_result(const std::string& name, const std::filesystem
         loop.refuse("points", fmt::format("is {} x {}, an outline has at least three rows [y, z]",
                                           points.rows(), points.cols()));
       section.outline.push_back(points);
+      if (!outline_stress || !loop.has("stress")) continue;
+      const Eigen::MatrixXd stress = sized(loop, "stress", 3 * static_cast<int>(points.rows()), 6);
+      for (Eigen::Index k = 0; k < points.rows(); ++k) outline_stress->push_back(stress.middleRows<3>(3 * k));
     }
   return section;
 }

@@ -18,7 +18,8 @@ std::string section_result(const beam::SectionProperties& properties);
 const input::TableSchema& section_result_schema();
 
 /// Reads it back.  Throws input::InputError for files that are no such thing, and for matrices that no
-/// section has.
-beam::Section read_section_result(const std::string& name, const std::filesystem::path& file);
+/// section has.  `outline_stress`: is given the stresses at the outline's points, none where the file has none.
+beam::Section read_section_result(const std::string& name, const std::filesystem::path& file,
+                                  std::vector<Eigen::Matrix<double, 3, 6>>* outline_stress = nullptr);
 
 }  // namespace flexura::reduce

@@ -7,8 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "mbs/base/documents/document.hpp"
 #include "reduce/beams/full_modes.hpp"
 #include "reduce/cms/damping.hpp"
+#include "reduce/library/beam_stresses.hpp"
 #include "reduce/library/reduce.hpp"
 #include "reduce/library/request.hpp"
 #include "reduce/library/section_forces.hpp"
@@ -80,7 +82,7 @@ Reduced reduce(const BeamPartInput& given, const ReduceOptions& options) {
 
   ReductionOptions how = options_of(input);
   how.progress = options.progress;
-  const Structure structure(mesh, input.solids, input.links);
+  const Structure structure(mesh, input.solids, input.links, input.recovery.stress);
   std::vector<BeamInterface> interfaces = input.interfaces;
   if (const auto body = body_interface(structure, interfaces)) {
     notes.push_back(
@@ -101,6 +103,15 @@ Reduced reduce(const BeamPartInput& given, const ReduceOptions& options) {
                                 link.stiffness, link.damping));
   const ReductionReport& r = reduction.report;
 
+  std::optional<superelement::StressModes> stress;
+  if (input.recovery.stress) {
+    stress = beam_stresses(structure, beams, input.cases, input.recovery.double_precision, notes);
+    if (!stress)
+      throw input::InputError(
+          input.recovery.where +
+          ".stress: no member has a section whose stresses are known; take a standard section or one that "
+          "`flexura section` has solved");
+  }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Eigen::Vector3d centre = reduction.inertia.S_x / reduction.inertia.mass;
   std::vector<double> frequencies;
@@ -147,6 +158,7 @@ Reduced reduce(const BeamPartInput& given, const ReduceOptions& options) {
   superelement::Superelement se =
       to_superelement(input, std::move(reduction), surface_of(structure.picture()), json.dump(1));
   se.load_cases = std::move(cases);
+  se.stress = std::move(stress);
   if (input.has_damping) se.modal_damping = 0.0;
   if (input.model.members.size() <= most_members) {
     std::optional<UnitTensions> tensions;

@@ -71,10 +71,7 @@ struct CutElement {
   beam::InertiaBlocks blocks;
 };
 
-struct Place {
-  int element = 0;  // of the mesh
-  double x = 0.0;   // in it [m]
-};
+using Place = CutPlace;
 
 std::vector<Place> places_along(const beam::BeamMesh& mesh, int member, int places) {
   std::vector<Place> out;
@@ -197,8 +194,9 @@ superelement::SectionForces section_forces(const Structure& structure, const Bea
                                            const UnitTensions* tensions) {
   const beam::BeamMesh& mesh = structure.mesh();
   const auto& members = mesh.model().members;
-  superelement::SectionForces out;
   std::vector<Place> places;
+  std::vector<std::string> names;
+  std::vector<std::int32_t> member;
   std::vector<int> elements(members.size(), 0);
   for (const beam::MeshElement& record : mesh.elements()) ++elements[record.member];
   for (std::size_t m = 0; m < members.size(); ++m) {
@@ -207,15 +205,29 @@ superelement::SectionForces section_forces(const Structure& structure, const Bea
               wanted = elements[m] * ((7 + elements[m]) / elements[m]) + 1;
     const std::vector<Place> along = places_along(mesh, static_cast<int>(m), std::min(share, wanted));
     places.insert(places.end(), along.begin(), along.end());
-    out.members.push_back(members[m].name);
-    out.member.insert(out.member.end(), along.size(), static_cast<int>(m));
+    names.push_back(members[m].name);
+    member.insert(member.end(), along.size(), static_cast<int>(m));
   }
+  superelement::SectionForces out = section_forces_at(structure, beams, cases, places, true, tensions);
+  out.members = std::move(names);
+  out.member = std::move(member);
+  return out;
+}
+
+superelement::SectionForces section_forces_at(const Structure& structure, const BeamReduction& beams,
+                                              const std::vector<LoadCase>& cases,
+                                              const std::vector<CutPlace>& places, bool with_inertia,
+                                              const UnitTensions* tensions) {
+  const beam::BeamMesh& mesh = structure.mesh();
+  superelement::SectionForces out;
   const auto n_p = static_cast<Index>(places.size());
   const Index n = beams.T.cols();
   const beam::InertiaSums sums = structure.inertia();
-  put_deformation(structure, sums, beams, places, out);
-  MatrixXd P(structure.n_dofs(), 12);
-  P << -sums.S_u.transpose(), -sums.S_xu.transpose();
+  MatrixXd P(structure.n_dofs(), with_inertia ? 12 : 0);
+  if (with_inertia) {
+    put_deformation(structure, sums, beams, places, out);
+    P << -sums.S_u.transpose(), -sums.S_xu.transpose();
+  }
   const MatrixXd lack_position = beams.left_out(P);
   P.resize(structure.n_dofs(), static_cast<Index>(cases.size()));
   for (std::size_t k = 0; k < cases.size(); ++k)
@@ -225,17 +237,22 @@ superelement::SectionForces section_forces(const Structure& structure, const Bea
   out.positions.resize(n_p, 3);
   out.axes.resize(n_p, 9);
   out.S.resize(6 * n_p, n);
-  out.of_acceleration.resize(6 * n_p, 12);
-  out.turning.resize(3 * n_p, n);
+  if (with_inertia) {
+    out.of_acceleration.resize(6 * n_p, 12);
+    out.turning.resize(3 * n_p, n);
+  }
   if (!cases.empty()) out.of_loads.resize(6 * n_p, static_cast<Index>(cases.size()));
   visit_places(mesh, places, [&](const CutElement& cut, Index p, double x) {
     const MatrixXd q = cut.end_motion(beams.T), elastic = cut.elastic(x);
-    MatrixXd on_end(6, 12);
-    on_end << cut.blocks.S_phi.leftCols<6>().transpose(), cut.blocks.S_xphi.leftCols<6>().transpose();
     out.S.middleRows<6>(6 * p) = elastic * q;
-    out.of_acceleration.middleRows<6>(6 * p) =
-        elastic * cut.end_motion(lack_position) +
-        cut.inertial(on_end, cut.element.cut_inertia(cut.ends, x).of_position, x);
+    if (with_inertia) {
+      MatrixXd on_end(6, 12);
+      on_end << cut.blocks.S_phi.leftCols<6>().transpose(), cut.blocks.S_xphi.leftCols<6>().transpose();
+      out.of_acceleration.middleRows<6>(6 * p) =
+          elastic * cut.end_motion(lack_position) +
+          cut.inertial(on_end, cut.element.cut_inertia(cut.ends, x).of_position, x);
+      out.turning.middleRows<3>(3 * p) = cut.ends.R_BE * (cut.element.shape(x) * q).bottomRows<3>();
+    }
     const MatrixXd q_cases = cut.end_motion(lack_cases);
     for (std::size_t i = 0; i < cases.size(); ++i) {
       const auto k = static_cast<Index>(i);
@@ -244,7 +261,6 @@ superelement::SectionForces section_forces(const Structure& structure, const Bea
       F(beam::N) += preload_of(cases[i], cut.record.member);
       out.of_loads.block<6, 1>(6 * p, k) = F;
     }
-    out.turning.middleRows<3>(3 * p) = cut.ends.R_BE * (cut.element.shape(x) * q).bottomRows<3>();
     out.positions.row(p) = (cut.ends.p_Bo1_B + x * cut.ends.R_BE.col(0)).transpose();
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R_BE = cut.ends.R_BE;
     out.axes.row(p) = Eigen::Map<const Eigen::Matrix<double, 1, 9>>(R_BE.data());

@@ -9,6 +9,12 @@
 
 namespace flexura::reduce {
 
+/// A cut through a member.
+struct CutPlace {
+  int element = 0;  ///< of the mesh
+  double x = 0.0;   ///< in it [m]
+};
+
 /// Section forces of a reduced beam part at places evenly along each member, nine or more and its elements' ends among
 /// them, so that what lies between two follows by a cubic.  `most` places in all, but four of each member at least.
 ///
@@ -23,5 +29,11 @@ namespace flexura::reduce {
 superelement::SectionForces section_forces(const Structure& structure, const BeamReduction& beams,
                                            const std::vector<LoadCase>& cases, int most,
                                            const UnitTensions* tensions = nullptr);
+
+/// The same at these places; of_stiffening with `tensions` alone, of_acceleration, of_deformation and turning `with_inertia` alone.
+superelement::SectionForces section_forces_at(const Structure& structure, const BeamReduction& beams,
+                                              const std::vector<LoadCase>& cases,
+                                              const std::vector<CutPlace>& places, bool with_inertia,
+                                              const UnitTensions* tensions = nullptr);
 
 }  // namespace flexura::reduce
