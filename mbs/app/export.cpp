@@ -138,12 +138,6 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
     superelement::FlexData data = superelement::make_flexdata(se, modes);
     if (arguments.id >= 0) data.id = arguments.id;
     superelement::write_flexdata(written[0], data);
-    if (!verbosity.quiet && !se.load_cases.empty()) {
-      fmt::print(
-          stderr,
-          "note: the {} load cases are not written (they would be the ModeLoad of Reference_FlexData)\n",
-          se.load_cases.size());
-    }
   } else if (arguments.format == "vtk") {
     written = {output};
     superelement::write_vtp(written[0], se, modes);

@@ -40,7 +40,13 @@ const input::TableSchema& flexdata_schema() {
             "arm.xml` needs no part file. Modes must be those of the free body, of unit modal mass. Of few "
             "modes (less than six "
             "for each interface node, less six) some directions of the interfaces follow the others; the "
-            "program says which."};
+            "program says which. Each ModeLoad becomes a load case, \"load_1\" by its loadcase_id (files of "
+            "`flexura "
+            "export` keep their names): `distributed_load` of the mechanism puts it on the body. It has a "
+            "number for each "
+            "mode, or for six rigid modes before them, or for all modes by their numbers; what other "
+            "programs write on "
+            "rigid modes is left out, as the file does not tell their axes."};
     s.keys = {
         input::text("file", "FlexData file (.xml)").required(),
         input::integer("id", "of the body, where the file holds several").at_least(0),

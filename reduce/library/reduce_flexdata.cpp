@@ -30,6 +30,7 @@ void to_si(FlexData& data, double length, double mass) {
   const double scale = 1.0 / std::sqrt(mass);
   for (Index row = 0; row < data.shapes.rows(); ++row)
     data.shapes.row(row) *= row % 6 < 3 ? scale : scale / length;
+  for (FlexData::LoadLine& load : data.loads) load.on_modes *= std::sqrt(mass) * length;
 }
 
 // The body as the part file gives it, for a file without integrals.
@@ -132,10 +133,6 @@ Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
                                 "only its mass and inertia in the mechanism");
   std::vector<std::string> notes, warnings;
   const bool has_integrals = data.body.has_value();
-  if (data.has_loads)
-    warnings.push_back(
-        "the loads of its ModeLoad block are not read: loads that act between the interface nodes are "
-        "missing");
   if (data.body) {
     if (input.mass || input.centre || input.inertia)
       throw input::InputError(input.where + ": " + input.file.string() +
@@ -192,6 +189,23 @@ Reduced reduce(const FlexDataInput& input, const ReduceOptions&) {
   // Alike but for printed digits, it is the body's ratio.
   if (differs) r.D_se = damping.asDiagonal();
   r.shapes = places.cast<float>();
+  for (const FlexData::LoadLine& load : data.loads) {
+    if (load.has_rigid && !load.resultant)
+      warnings.push_back(
+          fmt::format("load case {}: what it does to rigid motion is left out, as the file does not tell the "
+                      "axes of its rigid modes; the load "
+                      "deforms the body alone",
+                      load.name));
+    ReducedLoad& reduced = r.loads.emplace_back();
+    reduced.name = load.name;
+    reduced.is_preload = load.is_preload;
+    reduced.p_se = Eigen::VectorXd::Zero(6 + m);
+    reduced.p_se.tail(m) = load.on_modes;
+    if (!load.resultant) continue;
+    const Vector3d force = load.resultant->head<3>();
+    reduced.p_se.head<3>() = force;
+    reduced.p_se.segment<3>(3) = load.resultant->tail<3>() - centre.cross(force);
+  }
   const std::vector<int> own = independent_dofs(r.M_se, B);
   const std::vector<std::string> following = let_others_follow(r, B, own);
   if (!following.empty())

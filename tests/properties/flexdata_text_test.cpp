@@ -87,7 +87,11 @@ std::string as_xml(Chance& chance, const FlexData& data) {
                        cdata ? "<![CDATA[" + inside + "]]>" : inside, comment(), tag(name), gap());
   };
   text += block("ModeData", modes) + comment() + block("NodeData", nodes);
-  if (data.has_loads) text += block("ModeLoad", "1 2 3");
+  for (const auto& load : data.loads) {
+    std::string numbers;
+    for (const double value : load.on_modes) numbers += number(value) + gap();
+    text += block("ModeLoad", numbers) + comment();
+  }
   return text + "</" + tag("Reference_FlexData") + ">" + gap();
 }
 
@@ -100,14 +104,20 @@ TEST_F(FlexDataText, SaysTheSameHoweverItIsWrittenAndWhereverTheBodyStands) {
     std::string text = chance.flip(0.5) ? "<?xml version=\"1.0\"?>\n<MotionSolve>\n<Model>\n" : "";
     for (int k = 0; k < n_bodies; ++k) {
       bodies.push_back(random_body(chance, 30101 + 7 * k));
-      bodies.back().has_loads = chance.flip(0.2);
+      for (int load = chance.below(3); load > 0; --load) {
+        Eigen::VectorXd on_modes(static_cast<Eigen::Index>(bodies.back().modes.size()));
+        for (double& value : on_modes) value = chance.either_sign(1e-12, 1.0);
+        bodies.back().loads.push_back({.on_modes = on_modes});
+      }
       text += as_xml(chance, bodies.back());
     }
     const auto path = file(text, "x.xml");
     for (const FlexData& wanted : bodies) {
       const FlexData read = read_flexdata(path, wanted.id);
       EXPECT_EQ(read.id, wanted.id);
-      EXPECT_EQ(read.has_loads, wanted.has_loads);
+      ASSERT_EQ(read.loads.size(), wanted.loads.size());
+      for (std::size_t k = 0; k < read.loads.size(); ++k)
+        EXPECT_EQ(read.loads[k].on_modes, wanted.loads[k].on_modes);
       ASSERT_EQ(read.nodes.size(), wanted.nodes.size());
       ASSERT_EQ(read.modes.size(), wanted.modes.size());
       for (std::size_t k = 0; k < read.nodes.size(); ++k) {

@@ -71,6 +71,10 @@ struct FlexDataBody {
 
 /// MotionSolve's Reference_FlexData: frequencies, damping and mode shapes at the interface nodes.  The format has no
 /// inertia invariants; they go into a comment, which other programs pass over, so that the body can be read back.
+///
+/// ModeLoad has a number for each mode: of the modes written, or of these after the six rigid ones, or by the modes' numbers, the
+/// rigid ones being 1 to 6 (so in the example of MotionSolve's guide); all are read, the second is written.  What is written on rigid
+/// modes is that on modes of unit modal mass: translations, then rotations about the principal axes through the centre of mass.
 struct FlexData {
   struct ModeLine {
     int id = 0;
@@ -82,12 +86,22 @@ struct FlexData {
     int id = 0;
     Eigen::Vector3d position;
   };
+  /// A load case (ModeLoad): forces on the modes, and what it does to the body as a rigid one.
+  struct LoadLine {
+    int id = 0;
+    std::string name;          ///< "load_ID" in the files of other programs
+    Eigen::VectorXd on_modes;  ///< m [N m per unit of the mode]
+    /// Force and torque about Bo [N, N m]; not known in the files of other programs.
+    std::optional<Eigen::Matrix<double, 6, 1>> resultant;
+    bool is_preload = false;
+    bool has_rigid = false;  ///< the file has numbers on rigid modes, whose axes it does not tell
+  };
   std::optional<FlexDataBody> body;  ///< none in the files of other programs
   int id = 1;
-  int num_nodes = 0;       ///< of the finite element model, or 0
-  bool has_loads = false;  ///< a ModeLoad block, which is not read
+  int num_nodes = 0;  ///< of the finite element model, or 0
   std::vector<ModeLine> modes;
   std::vector<NodeLine> nodes;
+  std::vector<LoadLine> loads;
   Eigen::MatrixXd shapes;  ///< 6 n_nodes x n_modes: x, y, z, rx, ry, rz of node 0, then of node 1, ...
 };
 /// `modes` without its rigid ones, numbered as they stand in the analysis.

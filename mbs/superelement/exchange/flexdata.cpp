@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -61,6 +62,10 @@ class Numbers {
     return static_cast<int>(value);
   }
   [[noreturn]] void refuse(const std::string& what) const { reader_.fail(at_, what); }
+  bool more() {
+    skip();
+    return at_ < end_;
+  }
   /// Refuses what is left.
   void end(const std::string& count) {
     skip();
@@ -116,7 +121,8 @@ std::string decoded(const std::string& text) {
   return out;
 }
 
-void write_body(fmt::memory_buffer& out, const FlexDataBody& body) {
+void write_body(fmt::memory_buffer& out, const FlexDataBody& body,
+                const std::vector<FlexData::LoadLine>& loads) {
   auto to = std::back_inserter(out);
   const auto numbers = [&](const char* name, const auto& A) {
     fmt::format_to(to, "{}", name);
@@ -136,6 +142,12 @@ void write_body(fmt::memory_buffer& out, const FlexDataBody& body) {
   numbers("S_phi", body.S_phi);
   numbers("S_xphi", body.S_xphi);
   for (const Eigen::MatrixXd& S : body.S_phiphi) numbers("S_phiphi", S);
+  for (const FlexData::LoadLine& load : loads) {
+    if (!load.resultant) continue;
+    fmt::format_to(to, "load {} {} {}", load.id, encoded(load.name),
+                   load.is_preload ? "preload" : "external");
+    numbers("", *load.resultant);
+  }
   fmt::format_to(to, "-->\n");
 }
 
@@ -171,6 +183,10 @@ class Words {
     for (Eigen::Index k = 0; k < rows * columns; ++k) values.push_back(number(name));
     return Eigen::Map<const Eigen::MatrixXd>(values.data(), rows, columns);
   }
+  bool more() {
+    while (at_ < end_ && std::isspace(static_cast<unsigned char>(reader_.text[at_]))) ++at_;
+    return at_ < end_;
+  }
   [[noreturn]] void fail(const std::string& what) const { reader_.fail(begin_, what); }
 
  private:
@@ -178,7 +194,8 @@ class Words {
   std::size_t at_, end_, begin_ = 0;
 };
 
-FlexDataBody read_body(const Reader& reader, Block block, int n_nodes, int n_modes) {
+FlexDataBody read_body(const Reader& reader, Block block, int n_nodes, int n_modes,
+                       std::vector<FlexData::LoadLine>& loads) {
   Words words(reader, block);
   FlexDataBody body;
   words.expect("mass");
@@ -202,7 +219,64 @@ FlexDataBody read_body(const Reader& reader, Block block, int n_nodes, int n_mod
   body.S_phi = words.matrix("S_phi", 3, n_modes);
   body.S_xphi = words.matrix("S_xphi", 9, n_modes);
   for (Eigen::MatrixXd& S : body.S_phiphi) S = words.matrix("S_phiphi", n_modes, n_modes);
+  while (words.more()) {
+    words.expect("load");
+    const double id = words.number("a load case's number");
+    const auto load =
+        std::ranges::find(loads, id, [](const FlexData::LoadLine& l) { return static_cast<double>(l.id); });
+    if (load == loads.end()) words.fail(fmt::format("there is no ModeLoad of the loadcase_id {:g}", id));
+    load->name = files::plain_text(decoded(words.next("a name")));
+    load->is_preload = words.next("preload or external") == "preload";
+    Eigen::Matrix<double, 6, 1>& resultant = load->resultant.emplace();
+    for (double& value : resultant) value = words.number("the load's force and torque");
+  }
   return body;
+}
+
+// The six numbers on rigid modes of unit modal mass.
+Eigen::Matrix<double, 6, 1> on_rigid_modes(const FlexDataBody& body,
+                                           const Eigen::Matrix<double, 6, 1>& resultant) {
+  const Eigen::Vector3d centre = body.S_x / body.mass, force = resultant.head<3>(),
+                        torque = resultant.tail<3>() - centre.cross(force);
+  const Eigen::Matrix3d second = body.S_xx - body.mass * centre * centre.transpose(),
+                        inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(inertia);
+  Eigen::Matrix<double, 6, 1> out;
+  out.head<3>() = force / std::sqrt(body.mass);
+  for (int k = 0; k < 3; ++k) {
+    const double I = axes.eigenvalues()(k);
+    out(3 + k) = I > 0.0 ? axes.eigenvectors().col(k).dot(torque) / std::sqrt(I) : 0.0;
+  }
+  return out;
+}
+
+// A ModeLoad's numbers, of whichever modes they are.
+FlexData::LoadLine read_load(const Reader& reader, const flexdata::LoadBlock& block, const FlexData& data,
+                             int number) {
+  Numbers numbers(reader, block.numbers);
+  std::vector<double> values;
+  while (numbers.more()) values.push_back(numbers.next("a modal load"));
+  const auto n = values.size(), m = data.modes.size();
+  FlexData::LoadLine load{.id = block.id.value_or(number)};
+  load.name = fmt::format("load_{}", load.id);
+  load.on_modes.resize(static_cast<Eigen::Index>(m));
+  bool by_number = true;
+  for (const FlexData::ModeLine& mode : data.modes)
+    by_number = by_number && mode.id > 6 && static_cast<std::size_t>(mode.id) <= n;
+  if (n != m && n != m + 6 && !by_number)
+    numbers.refuse(
+        fmt::format("the ModeLoad {} has {} numbers; wanted are one for each of the {} modes, or {}, six on "
+                    "rigid modes before them, or one "
+                    "for each mode by its number in ModeData",
+                    load.id, n, m, m + 6));
+  load.has_rigid =
+      n != m && std::any_of(values.begin(), values.begin() + 6, [](double value) { return value != 0.0; });
+  for (std::size_t j = 0; j < m; ++j)
+    load.on_modes(static_cast<Eigen::Index>(j)) =
+        values[n == m       ? j
+               : n == m + 6 ? 6 + j
+                            : static_cast<std::size_t>(data.modes[j].id) - 1];
+  return load;
 }
 
 // A count that the reduction's report holds.
@@ -250,6 +324,15 @@ FlexData make_flexdata(const Superelement& se, const ModeAnalysis& modes) {
   body.S_phi = I.S_phi * Y;
   body.S_xphi = I.S_xphi * Y;
   for (std::size_t k = 0; k < 6; ++k) body.S_phiphi[k] = Y.transpose() * I.S_phiphi[k] * Y;
+  const Eigen::MatrixXd R = rigid_motions(se);
+  for (std::size_t k = 0; k < se.load_cases.size(); ++k) {
+    const LoadCase& load = se.load_cases[k];
+    data.loads.push_back({.id = static_cast<int>(k) + 1,
+                          .name = load.name,
+                          .on_modes = Y.transpose() * load.p_se,
+                          .resultant = R.transpose() * load.p_se,
+                          .is_preload = load.is_preload});
+  }
   return data;
 }
 
@@ -277,7 +360,16 @@ void write_flexdata(const std::filesystem::path& path, const FlexData& data) {
     }
   }
   fmt::format_to(to, "</NodeData>\n");
-  if (data.body) write_body(out, *data.body);
+  for (const FlexData::LoadLine& load : data.loads) {
+    fmt::format_to(to, "<ModeLoad loadcase_id = \"{}\">\n", load.id);
+    Eigen::VectorXd values(6 + load.on_modes.size());
+    values << Eigen::Matrix<double, 6, 1>::Zero(), load.on_modes;
+    if (data.body && load.resultant) values.head<6>() = on_rigid_modes(*data.body, *load.resultant);
+    for (Eigen::Index k = 0; k < values.size(); ++k)
+      fmt::format_to(to, "{:24.16E}{}", values(k), k % 6 == 5 || k + 1 == values.size() ? "\n" : " ");
+    fmt::format_to(to, "</ModeLoad>\n");
+  }
+  if (data.body) write_body(out, *data.body, data.loads);
   fmt::format_to(to, "</Reference_FlexData>\n");
   write_whole(path, {out.data(), out.size()});
 }
@@ -295,7 +387,6 @@ FlexData read_flexdata(const std::filesystem::path& path, std::optional<int> id)
   FlexData data;
   data.id = element.required(reader, "id");
   data.num_nodes = element.whole(reader, "num_nodes").value_or(0);
-  data.has_loads = element.loads.has_value();
   const int n_modes = element.required(reader, "num_sel_modes");
   const int n_nodes = element.required(reader, "num_sel_nodes");
 
@@ -333,11 +424,18 @@ FlexData read_flexdata(const std::filesystem::path& path, std::optional<int> id)
     values.push_back(node_numbers.next("a mode shape's entry"));
   data.shapes = Eigen::Map<const Eigen::MatrixXd>(values.data(), 6 * n_nodes, n_modes);
   node_numbers.end(fmt::format("{} mode shapes at {} nodes", n_modes, n_nodes));
+  for (std::size_t k = 0; k < element.loads.size(); ++k) {
+    FlexData::LoadLine load = read_load(reader, element.loads[k], data, static_cast<int>(k) + 1);
+    if (std::ranges::find(data.loads, load.id, &FlexData::LoadLine::id) != data.loads.end())
+      reader.fail(element.loads[k].numbers.begin, fmt::format("the loadcase_id {} is given twice", load.id));
+    data.loads.push_back(std::move(load));
+  }
   if (const std::size_t comment = whole.text.find(kComment, element.begin); comment < element.end) {
     const std::size_t close = whole.text.find("-->", comment);
     if (close == std::string::npos)
       reader.fail(comment, "the comment of the inertia integrals is not closed; the file is cut short");
-    data.body = read_body(whole, {comment + std::string(kComment).size(), close}, n_nodes, n_modes);
+    data.body =
+        read_body(whole, {comment + std::string(kComment).size(), close}, n_nodes, n_modes, data.loads);
   }
   return data;
 }

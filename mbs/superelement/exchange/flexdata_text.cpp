@@ -80,6 +80,20 @@ void read_attributes(const Text& text, std::size_t at, Element& element) {
   }
 }
 
+// All ModeLoad blocks, with their loadcase_id.
+void find_loads(const Text& text, const std::string& lowered, Element& element) {
+  const std::string name = "modeload";
+  for (std::size_t at = element.begin; (at = find_tag(lowered, "<" + name, at)) < element.end;) {
+    const std::size_t close = lowered.find('>', at), end = find_tag(lowered, "</" + name, at);
+    if (close == std::string::npos || end == std::string::npos || end > element.end)
+      text.fail(at, "the ModeLoad block is not closed; the file is cut short");
+    Element own{.begin = at};
+    read_attributes(text, at + 1 + name.size(), own);
+    element.loads.push_back({{close + 1, end}, own.whole(text, "loadcase_id")});
+    at = end;
+  }
+}
+
 }  // namespace
 
 void Text::fail(std::size_t at, const std::string& what) const {
@@ -149,7 +163,7 @@ std::vector<Element> elements_of(const Text& text) {
     if (!modes) text.fail(element.begin, "has no ModeData block");
     if (!nodes) text.fail(element.begin, "has no NodeData block");
     element.modes = *modes, element.nodes = *nodes;
-    element.loads = find_block(text, lowered, "modeload", element);
+    find_loads(text, lowered, element);
   }
   return out;
 }

@@ -21,13 +21,19 @@ struct Text {
   [[noreturn]] void fail(std::size_t at, const std::string& what) const;
 };
 
+/// A ModeLoad block.
+struct LoadBlock {
+  Block numbers;
+  std::optional<int> id;  ///< loadcase_id
+};
+
 /// A body's element; places are those in the text.
 struct Element {
   std::size_t begin = 0, end = 0;
   std::map<std::string, std::pair<std::string, std::size_t>>
       attributes;  ///< by name in small letters: value, place
   Block modes, nodes;
-  std::optional<Block> loads;  ///< ModeLoad
+  std::vector<LoadBlock> loads;
   /// A whole number from 0 on; nothing where it is not given.  Throws for any other value.
   std::optional<int> whole(const Text& text, const std::string& name) const;
   int required(const Text& text, const std::string& name) const;

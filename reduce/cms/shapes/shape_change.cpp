@@ -148,7 +148,7 @@ void change_shapes(Reduction& r, const CanonicalShapes& shapes) {
   }
   for (ReducedLoad& load : r.loads) {
     load.p_se = (Y.transpose() * load.p_se).eval();
-    load.moment = (load.moment * Y).eval();
+    if (load.moment.cols() > 0) load.moment = (load.moment * Y).eval();
   }
   if (r.stress_modes.size() > 0) r.stress_modes = linalg::times(r.stress_modes, Y);
   if (r.shapes.size() > 0) r.shapes = (r.shapes * Y.cast<float>()).eval();
