@@ -100,6 +100,10 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
       arguments.output.empty() ? std::filesystem::path(stem_of(arguments.file).string() +
                                                        (ending == endings.end() ? "" : ending->second))
                                : std::filesystem::path(arguments.output);
+  if (arguments.held == "constraint" && !pictures)
+    throw std::invalid_argument(fmt::format(
+        "--held constraint exports shapes (vtk, gmsh, gltf); {} wants natural modes: take none or all",
+        arguments.format));
   files::Claims claims;
   if (arguments.format == "matrix-market") {
     files::require_stem(output);
@@ -116,9 +120,12 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
                                           .shapes = pictures});
   ModeAnalysis modes;
   if (!matrices) {
-    modes = superelement::natural_modes(
-        se, arguments.held == "all" ? superelement::interface_names(se) : std::vector<std::string>{},
-        arguments.count);
+    modes = arguments.held == "constraint"
+                ? superelement::constraint_modes(se)
+                : superelement::natural_modes(se,
+                                              arguments.held == "all" ? superelement::interface_names(se)
+                                                                      : std::vector<std::string>{},
+                                              arguments.count);
     if (static_cast<int>(modes.modes.size()) == modes.n_rigid) {
       throw std::invalid_argument(fmt::format(
           "superelement \"{}\" has no elastic mode to write; reduce the part with modes", se.name));
@@ -170,8 +177,10 @@ terminal::Command export_command() {
             .required()
             .option("-o,--output", arguments->output, "PATH",
                     "file to write (matrix-market: start of the names); default beside FILE")
-            .choice("--held", arguments->held, {"none", "all"},
-                    "modes for sid, flexdata, vtk, gmsh, gltf: of the free body, or with all interfaces held")
+            .choice("--held", arguments->held, {"none", "all", "constraint"},
+                    "modes for sid, flexdata, vtk, gmsh, gltf: of the free body, or with all interfaces "
+                    "held; for vtk, gmsh, "
+                    "gltf the constraint modes, a unit of each interface direction")
             .option("-n,--count", arguments->count, "N", "at most this many elastic modes")
             .option("--id", arguments->id, "N",
                     "flexdata: id of the body; default 1, or that of the file it came from")

@@ -24,13 +24,18 @@ using terminal::Align;
 struct Arguments {
   std::string file, html;
   std::vector<std::string> clamped;
-  bool free = false, fixed = false, json = false;
+  bool free = false, fixed = false, constraint = false, json = false;
   int count = 20;
 };
 
 constexpr const char* axes[] = {"x", "y", "z"};
 
+bool is_constraint(const ModeAnalysis& analysis) {
+  return !analysis.modes.empty() && !analysis.modes.front().dof.empty();
+}
+
 std::string title(const ModeAnalysis& analysis, const Superelement& se) {
+  if (is_constraint(analysis)) return "Constraint modes";
   if (analysis.held.empty()) return "Free body";
   if (analysis.held.size() == se.interfaces.size()) return "All interfaces held (fixed-interface modes)";
   return fmt::format("Held: {}", fmt::join(analysis.held, ", "));
@@ -49,7 +54,28 @@ std::string percent(double part, double whole) {
 }
 
 bool is_free(const ModeAnalysis& analysis) {
-  return analysis.held.empty();
+  return analysis.held.empty() && !is_constraint(analysis);
+}
+
+// True of a displacement, by the name of its dof: "base.u_x".
+bool is_displacement(const Mode& mode) {
+  return mode.dof[mode.dof.rfind('.') + 1] == 'u';
+}
+
+std::string constraint_table(const ModeAnalysis& analysis, int width, bool colour) {
+  terminal::Table table({{"no", Align::right},
+                         {"interface direction", Align::left},
+                         {"moved by", Align::right},
+                         {"stiffness", Align::right},
+                         {"strain energy [J]", Align::right}});
+  int number = 0;
+  for (const Mode& mode : analysis.modes) {
+    const bool u = is_displacement(mode);
+    table.add_row({fmt::format("{}", ++number), mode.dof, u ? "1 m" : "1 rad",
+                   fmt::format("{} {}", terminal::number(mode.stiffness, 6), u ? "N/m" : "N m/rad"),
+                   terminal::number(0.5 * mode.stiffness, 6)});
+  }
+  return table.text(width, colour);
 }
 
 // Of the free body the errors of its frequencies stand where effective masses are none.
@@ -88,6 +114,16 @@ nlohmann::json known(double error) {
 nlohmann::json to_json(const ModeAnalysis& analysis, const Superelement& se) {
   nlohmann::json modes = nlohmann::json::array();
   int number = 0;
+  if (is_constraint(analysis)) {
+    for (const Mode& mode : analysis.modes)
+      modes.push_back({{"number", ++number},
+                       {"kind", superelement::kind_of(mode)},
+                       {"dof", mode.dof},
+                       {"unit", is_displacement(mode) ? "m" : "rad"},
+                       {"stiffness", mode.stiffness},
+                       {"strain_energy", 0.5 * mode.stiffness}});
+    return {{"constraint", true}, {"modes", modes}};
+  }
   for (const Mode& mode : analysis.modes) {
     const auto& m = mode.effective_mass;
     modes.push_back({{"number", ++number},
@@ -112,7 +148,11 @@ std::string footnotes(const std::vector<ModeAnalysis>& analyses, const Superelem
         "mesh %, left out %: by how much the mesh and the modes left out make the\n"
         "frequency too high, by their estimates.\n{}.\n",
         superelement::mesh_error_words(se));
-  if (!std::ranges::all_of(analyses, is_free))
+  if (std::ranges::any_of(analyses, is_constraint))
+    text +=
+        "Each interface direction moved by a unit, all others at rest: the stiffness is the force or torque\n"
+        "that this takes there.\n";
+  if (std::ranges::any_of(analyses, [](const ModeAnalysis& a) { return !a.held.empty(); }))
     text += "m, J: effective mass and inertia about the mass centre in percent of the body's.\n";
   return text;
 }
@@ -136,7 +176,8 @@ void write_page(const std::string& html, const std::string& file, const std::vec
                           .kind = superelement::kind_of(mode),
                           .frequency_hz = mode.frequency_hz,
                           .damping = mode.damping,
-                          .can_strike = analysis.held.empty() && mode.omega2 > 0.0};
+                          .can_strike = is_free(analysis) && mode.omega2 > 0.0};
+      if (!mode.dof.empty()) line.kind += " " + mode.dof;
       for (std::size_t c = 0; c < 6; ++c) line.effective_mass[c] = mode.effective_mass[static_cast<int>(c)];
       page.columns.col(static_cast<Eigen::Index>(page.modes.size())) = mode.u_se;
       page.modes.push_back(line);
@@ -164,8 +205,9 @@ std::vector<std::string> named_interfaces(const std::vector<std::string>& words,
 }
 
 int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
-  if (arguments.free + arguments.fixed + !arguments.clamped.empty() > 1) {
-    throw std::invalid_argument("--free, --fixed and --clamped exclude each other; give one of them");
+  if (arguments.free + arguments.fixed + arguments.constraint + !arguments.clamped.empty() > 1) {
+    throw std::invalid_argument(
+        "--free, --fixed, --clamped and --constraint exclude each other; give one of them");
   }
   if (arguments.count < 1)
     throw std::invalid_argument(fmt::format("--count is {}, it must be at least 1", arguments.count));
@@ -176,7 +218,7 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   // Without a choice: the body as it hangs in the air and, with effective masses, as it sits in its
   // interfaces.
   std::vector<ModeAnalysis> analyses;
-  const bool all = !arguments.free && !arguments.fixed && arguments.clamped.empty();
+  const bool all = !arguments.free && !arguments.fixed && !arguments.constraint && arguments.clamped.empty();
   if (all || arguments.free) analyses.push_back(superelement::natural_modes(se, {}, arguments.count));
   if ((all && se.n_q > 0) || arguments.fixed) {
     analyses.push_back(superelement::natural_modes(se, superelement::interface_names(se), arguments.count));
@@ -185,6 +227,8 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
     analyses.push_back(
         superelement::natural_modes(se, named_interfaces(arguments.clamped, se), arguments.count));
   }
+
+  if (arguments.constraint) analyses.push_back(superelement::constraint_modes(se));
 
   if (arguments.json) {
     const ModeAnalysis& first = analyses.front();
@@ -204,7 +248,8 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
                terminal::number(analyses.front().mass, 6), se.n_b, se.n_q);
     for (const ModeAnalysis& analysis : analyses) {
       fmt::print("\n{}\n{}", terminal::bold(title(analysis, se), colour),
-                 table_text(analysis, se, width, colour));
+                 is_constraint(analysis) ? constraint_table(analysis, width, colour)
+                                         : table_text(analysis, se, width, colour));
     }
     fmt::print("\n{}", footnotes(analyses, se));
     if (all && se.n_q == 0) fmt::print("The superelement has no fixed-interface modes (static reduction).\n");
@@ -226,6 +271,9 @@ terminal::Command modes_command() {
                 .flag("--free", arguments->free, "the free body: six rigid modes, then the elastic ones")
                 .flag("--fixed", arguments->fixed, "all interfaces held: fixed-interface modes")
                 .option("--clamped,--held", arguments->clamped, "NAME", "these interfaces held")
+                .flag("--constraint", arguments->constraint,
+                      "the constraint modes: a unit of each interface direction, with its stiffness and "
+                      "strain energy")
                 .option("-n,--count", arguments->count, "N", "at most this many elastic modes of each kind")
                 .flag("--json", arguments->json, "print JSON, with effective masses in kg and kg m^2")
                 .option("--html,-o,--output", arguments->html, "PAGE",

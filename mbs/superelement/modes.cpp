@@ -216,6 +216,7 @@ Eigen::MatrixXd mass_orthonormal(const Eigen::MatrixXd& R, const Eigen::MatrixXd
 }  // namespace
 
 const char* kind_of(const Mode& mode) {
+  if (!mode.dof.empty()) return "constraint";
   return mode.rigid ? "rigid" : mode.mechanism ? "mechanism" : "elastic";
 }
 
@@ -271,6 +272,24 @@ ModeAnalysis natural_modes(const Superelement& se, const std::vector<std::string
   Eigen::Index n_wanted = elastic.omega2.size();
   if (n_elastic >= 0) n_wanted = std::min<Eigen::Index>(n_wanted, n_elastic);
   for (Eigen::Index j = 0; j < n_wanted; ++j) add(elastic.phi.col(j), elastic.omega2[j], false);
+  return analysis;
+}
+
+ModeAnalysis constraint_modes(const Superelement& se) {
+  constexpr const char* kDirections[] = {"u_x", "u_y", "u_z", "theta_x", "theta_y", "theta_z"};
+  ModeAnalysis analysis;
+  analysis.mass = se.inertia.mass;
+  if (se.inertia.mass > 0.0) analysis.mass_centre = se.inertia.S_x / se.inertia.mass;
+  for (const Interface& interface : se.interfaces)
+    for (std::size_t k = 0; k < interface.directions.size(); ++k) {
+      const int row = interface.first_dof + static_cast<int>(k);
+      Mode mode;
+      mode.dof = interface.name + "." + kDirections[static_cast<int>(interface.directions[k])];
+      mode.stiffness = se.K_se(row, row);
+      mode.effective_mass.setZero();
+      mode.u_se = Eigen::VectorXd::Unit(se.n(), row);
+      analysis.modes.push_back(std::move(mode));
+    }
   return analysis;
 }
 

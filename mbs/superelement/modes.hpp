@@ -34,6 +34,9 @@ struct Mode {
   bool mechanism = false;  ///< strains nothing, and is no motion of the whole body
   double omega2 = 0.0;     ///< [rad^2/s^2]; 0 for a rigid mode and a mechanism
   double frequency_hz = 0.0;
+  /// Of a constraint mode its dof, "base.u_x", and K_se there [N/m, N m/rad]; it moves by 1 m or 1 rad.
+  std::string dof = {};
+  double stiffness = 0.0;
   double damping = 0.0;  ///< ratio to critical: phi^T D_se phi / (2 omega), or modal_damping without D_se
   Eigen::Matrix<double, 6, 1> effective_mass;  ///< [kg] along x, y, z, [kg m^2] about x, y, z
   Eigen::VectorXd u_se;                        ///< n, phi^T M_se phi = 1
@@ -53,7 +56,11 @@ struct ModeAnalysis {
 /// interface, when K_se has negative eigenvalues, and when a motion has neither stiffness nor mass.
 ModeAnalysis natural_modes(const Superelement& se, const std::vector<std::string>& held, int n_elastic = -1);
 
-/// "rigid", "mechanism", "elastic".
+/// The constraint modes: the part's static answer to 1 m or 1 rad of each interface dof, all others at rest.  Their strain energy
+/// is half the stiffness.
+ModeAnalysis constraint_modes(const Superelement& se);
+
+/// "rigid", "mechanism", "elastic", "constraint".
 const char* kind_of(const Mode& mode);
 
 /// The names of all interfaces: what natural_modes() holds for fixed-interface modes.

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mbs/superelement/modes.hpp"
 #include "reduce/file/beam_file.hpp"
 #include "reduce/library/reduce.hpp"
 #include "tests/properties/quadratic_problem.hpp"
@@ -249,6 +250,19 @@ TEST(BeamRequests, ElementsBetweenInterfacesAreTheirMatrices) {
     EXPECT_NEAR(se.K_se(1, 5), 6.0 * E * I / (l * l), 1e-10 * se.K_se(1, 5));
     EXPECT_NEAR(se.K_se(5, 5), 4.0 * E * I / l, 1e-10 * se.K_se(5, 5));
     EXPECT_NEAR(se.K_se(3, 3), E / (2.0 * (1.0 + nu)) * 2.0 * I / l, 1e-10 * se.K_se(3, 3));
+    // Those of the constraint modes by their names.
+    const superelement::ModeAnalysis constraint = superelement::constraint_modes(se);
+    ASSERT_EQ(constraint.modes.size(), 12U);
+    for (const superelement::Mode& mode : constraint.modes) {
+      const std::string direction = mode.dof.substr(2);
+      const double right = direction == "u_x"       ? E * A / l
+                           : direction[0] == 'u'    ? 12.0 * E * I / (l * l * l)
+                           : direction == "theta_x" ? E / (1.0 + nu) * I / l
+                                                    : 4.0 * E * I / l;
+      EXPECT_NEAR(mode.stiffness, right, 1e-10 * right) << mode.dof;
+      EXPECT_NEAR(mode.u_se.dot(se.K_se * mode.u_se), right, 1e-10 * right);
+      EXPECT_STREQ(superelement::kind_of(mode), "constraint");
+    }
   }
 }
 

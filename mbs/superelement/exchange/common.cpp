@@ -42,7 +42,9 @@ void require_surface(const Superelement& se) {
 }
 
 std::string mode_name(const ModeAnalysis& modes, std::size_t j) {
-  return fmt::format("mode {} ({:.2f} Hz)", j + 1, modes.modes[j].frequency_hz);
+  const Mode& mode = modes.modes[j];
+  if (!mode.dof.empty()) return fmt::format("constraint mode {}", mode.dof);
+  return fmt::format("mode {} ({:.2f} Hz)", j + 1, mode.frequency_hz);
 }
 
 Eigen::VectorXf drawn_shape(const Superelement& se, const Mode& mode) {
