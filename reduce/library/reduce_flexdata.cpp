@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
