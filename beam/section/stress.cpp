@@ -174,8 +174,11 @@ Edge box_edge(const Shape& shape, const Constants& c, double y, double z) {
   if (solid) {
     edge.torsion = on_y ? rectangle_side(w, h, c.I_t, z) : rectangle_side(h, w, c.I_t, y);
   } else {
-    const double twice_area = 2 * (w - hollow->web) * (h - hollow->flange);
-    edge.torsion = 1.0 / (twice_area * (on_y ? hollow->web : hollow->flange));
+    // Bredt's flow carries its share of I_t; G theta' t is added outside and taken away inside, as in open walls.
+    const double w_m = w - hollow->web, h_m = h - hollow->flange, t = on_y ? hollow->web : hollow->flange;
+    const double I_closed = 4 * (w_m * h_m) * (w_m * h_m) / (2 * (w_m / hollow->flange + h_m / hollow->web));
+    const bool outer = on(y, w / 2) || on(z, h / 2);
+    edge.torsion = I_closed / c.I_t / (2 * w_m * h_m * t) + (outer ? t : -t) / c.I_t;
   }
   return edge;
 }

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "beam/section/outline_stress.hpp"
 #include "mbs/base/documents/document.hpp"
 #include "reduce/app/section_report.hpp"
 #include "reduce/file/beam_file.hpp"
@@ -158,6 +159,33 @@ points = [[30, -20], [30, 20]]
                webs = 10e9 * 2 * 0.001 * std::pow(0.04, 3) / 12;
   // By mid-lines, t/h = 1/40; what walls share at the corners belongs to the first.
   EXPECT_NEAR(1.0 / box.section.f(beam::M_y, beam::M_y) / (flanges + webs), 1.0, 0.02);
+}
+
+// All around: bending z/I_y, stretch 1/A, and torsion of the walls.
+TEST_F(SectionFile, StressesAroundTheOutlineComeBack) {
+  const auto s = solved(kBoxText);
+  std::vector<Eigen::Matrix<double, 3, 6>> stress;
+  const beam::Section read = read_section_result("box", write("box.section", section_result(s)), &stress);
+  std::size_t point = 0;
+  const beam::Shape shape = beam::HollowRectangle{0.1, 0.2, 0.01, 0.015};
+  const beam::Constants constants = beam::constants_of(shape, 0.3);
+  int n_walls = 0;
+  for (const beam::Loop& loop : read.outline)
+    for (Eigen::Index k = 0; k < loop.rows(); ++k, ++point) {
+      const double y = loop(k, 0), z = loop(k, 1);
+      ASSERT_LT(point, stress.size());
+      const auto& S = stress[point];
+      EXPECT_TRUE(S.isApprox(s.outline_stress[point], 1e-8));  // nine digits
+      EXPECT_NEAR(S(0, beam::N) * s.area, 1.0, 1e-6);
+      EXPECT_NEAR(S(0, beam::M_y), z / s.I_y, 0.01 * 0.1 / s.I_y);
+      EXPECT_NEAR(S(0, beam::M_z), -y / s.I_z, 0.01 * 0.05 / s.I_z);
+      // Away from corners as the standard shape's: Bredt with the open part.
+      if (std::abs(z) < 0.06)
+        EXPECT_NEAR(S(2, beam::T) / beam::stress_on_outline(shape, constants, y, z)(2, beam::T), 1.0, 0.02);
+      ++n_walls;
+    }
+  EXPECT_EQ(point, stress.size());
+  EXPECT_GT(n_walls, 10);
 }
 
 TEST_F(SectionFile, ResultsRoundTripWithStressPointsAndAllOutlines) {
