@@ -363,21 +363,25 @@ BarSection nastran_section(const std::string& type, const std::vector<double>& d
                       0, 0);
 }
 
-BarSection abaqus_section(const std::string& type, const std::vector<double>& d) {
+std::size_t dimensions_of_abaqus_section(const std::string& type) {
   static const std::map<std::string, std::size_t> kNumber = {{"CIRC", 1}, {"PIPE", 2}, {"RECT", 2},
                                                              {"BOX", 6},  {"I", 7},    {"L", 4}};
   const auto found = kNumber.find(type);
+  return found == kNumber.end() ? 0 : found->second;
+}
+
+BarSection abaqus_section(const std::string& type, const std::vector<double>& d) {
+  const std::size_t number = dimensions_of_abaqus_section(type);
   require(
-      found != kNumber.end(),
+      number > 0,
       fmt::format("SECTION={} is not known; CIRC, PIPE, RECT, BOX, I and L are, or give its constants (*BEAM "
                   "GENERAL SECTION)",
                   type));
-  require(d.size() >= found->second,
-          fmt::format("SECTION={} has {} dimensions, not {}", type, found->second, d.size()));
+  require(d.size() >= number, fmt::format("SECTION={} has {} dimensions, not {}", type, number, d.size()));
   const auto may_be_zero = [&](std::size_t k) {  // of I: where the node is; a flange that is not there (a T)
     return type == "I" && (k == 0 || (k > 1 && k < 6 && d[2 + k % 2] == 0 && d[4 + k % 2] == 0));
   };
-  for (std::size_t k = 0; k < found->second; ++k)
+  for (std::size_t k = 0; k < number; ++k)
     require(d[k] > 0 || may_be_zero(k), fmt::format("a dimension of SECTION={} is {:g}", type, d[k]));
   if (type == "CIRC") return circle(d[0]);
   if (type == "PIPE") {

@@ -54,6 +54,9 @@ Eigen::Vector2d thin_shear_centre(const std::vector<Eigen::Vector2d>& points, co
 BarSection nastran_section(const std::string& type, const std::vector<double>& dim);
 std::size_t nastran_dimensions(const std::string& type);
 
+/// How many dimensions a section of *BEAM SECTION has, 0 for one that is not known.
+std::size_t dimensions_of_abaqus_section(const std::string& type);
+
 /// A section of *BEAM SECTION, y along Abaqus' direction 1: CIRC, PIPE, RECT, BOX, I, L.
 BarSection abaqus_section(const std::string& type, const std::vector<double>& dim);
 

@@ -58,6 +58,17 @@ BarSection shaped_section(const Keyword& k, DeckProgram program, Unused& otherwi
   const std::string type = upper(k.get("SECTION"));
   const std::vector<double> dim = numbers_of(k, 0);
   const bool has_offset = k.has("OFFSET1") || k.has("OFFSET2");
+  const std::size_t known =
+      type == "CIRC" && program != DeckProgram::abaqus ? 2 : dimensions_of_abaqus_section(type);
+  if (const std::size_t given = static_cast<std::size_t>(
+          std::ranges::find_if(dim.rbegin(), dim.rend(), [](double d) { return d != 0.0; }).base() -
+          dim.begin());
+      known > 0 && given > known)
+    otherwise.add(
+        fmt::format("*BEAM SECTION, SECTION={} has {} numbers; its dimensions are the first {}, the rest is "
+                    "not used",
+                    type, given, known),
+        k.where);
   if (program == DeckProgram::abaqus) {
     if (has_offset)
       otherwise.add("*BEAM SECTION's OFFSET1 and OFFSET2, which Abaqus does not know, are not used", k.where);

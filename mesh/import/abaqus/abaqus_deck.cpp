@@ -12,6 +12,7 @@
 #include "mesh/import/abaqus/abaqus_beam_sections.hpp"
 #include "mesh/import/abaqus/abaqus_bindings.hpp"
 #include "mesh/import/abaqus/abaqus_keywords.hpp"
+#include "mesh/import/abaqus/abaqus_materials.hpp"
 #include "mesh/import/abaqus/abaqus_types.hpp"
 
 namespace flexura::mesh::abaqus {
@@ -40,8 +41,7 @@ class Reader {
       in_step_ = k.name != "END STEP";
       return;
     }
-    if (k.name != "DENSITY" && k.name != "ELASTIC" && k.name != "MATERIAL" && k.name != "DAMPING")
-      in_material_ = false;
+    if (materials_.take(k, deck_)) return;
     if (k.name == "PART" || k.name == "INSTANCE" || k.name == "END PART" || k.name == "END INSTANCE")
       system_ = Transform();
     if (k.name == "STEP")
@@ -109,16 +109,8 @@ class Reader {
              k.name == "EMBEDDED ELEMENT" || k.name == "SHELL TO SOLID COUPLING" || k.name == "FASTENER" ||
              k.name == "CONTACT PAIR" || k.name == "CONTACT")
       deck_.unbound.add("*" + k.name, k.where);
-    else if (k.name == "MATERIAL") {
-      deck_.materials.emplace_back();
-      deck_.materials.back().name = known(k.get("NAME"));
-      in_material_ = true;
-    } else if (k.name == "DENSITY" && in_material_) {
-      deck_.materials.back().rho = to_real(field(k, 0, 0), k.where);
-    } else if (k.name == "ELASTIC" && in_material_)
-      take_elastic(k);
-    else if (k.name == "DAMPING" && in_material_)
-      take_damping(k);
+    else if (k.name == "MATERIAL")
+      materials_.start(k, known(k.get("NAME")), deck_);
     else if (k.name != "HEADING" && k.name != "PREPRINT" && k.name != "RESTART")
       deck_.unused.add("*" + k.name, k.where);
   }
@@ -177,20 +169,6 @@ class Reader {
     static const std::set<std::string> kNames = {"NGEN",  "NCOPY",  "NFILL",     "NMAP",
                                                  "ELGEN", "ELCOPY", "ASSEMBLED", "SUBSTRUCTURE PROPERTY"};
     return kNames.contains(name);
-  }
-
-  void take_damping(const Keyword& k) {
-    ImportedMaterial& material = deck_.materials.back();
-    const auto number = [&](const char* word, double& to) {
-      if (!k.has(word)) return;
-      to = to_real(k.get(word), k.where);
-      require_not_negative(to, "*DAMPING of material " + material.name, word, k.where);
-    };
-    number("ALPHA", material.alpha);
-    number("BETA", material.beta);
-    number("STRUCTURAL", material.loss);
-    for (const std::string word : {"COMPOSITE", "ALPHA FUNCTION", "BETA FUNCTION"})
-      if (k.has(word)) deck_.unused.add("*DAMPING's " + word, k.where);
   }
 
   void take_nodes(const Keyword& k) {
@@ -420,37 +398,14 @@ class Reader {
     here().sections.push_back(section);
   }
 
-  void take_elastic(const Keyword& k) {
-    ImportedMaterial& material = deck_.materials.back();
-    const std::string type = upper(k.has("TYPE") ? k.get("TYPE") : "ISOTROPIC");
-    if (type == "ISOTROPIC" || type == "ISO") {
-      material.E = to_real(field(k, 0, 0), k.where);
-      material.nu = to_real(field(k, 0, 1), k.where);
-    } else if (type == "ENGINEERING CONSTANTS") {
-      material.orthotropic = true;
-      for (int i = 0; i < 9; ++i)
-        material.engineering[i] =
-            to_real(field(k, static_cast<std::size_t>(i / 8), static_cast<std::size_t>(i % 8)), k.where);
-    } else if (type == "LAMINA") {  // plane stress: what a shell has across its plane plays no part
-      std::vector<double> c;
-      for (int i = 0; i < 6; ++i) c.push_back(to_real(field(k, 0, static_cast<std::size_t>(i)), k.where));
-      material.orthotropic = true;
-      material.engineering << c[0], c[1], c[1], c[2], 0, 0, c[3], c[4], c[5];
-      deck_.laminae.insert(material.name);
-    } else {
-      throw std::invalid_argument(
-          fmt::format("{}: *ELASTIC, TYPE={} is not read; isotropic, engineering constants and LAMINA are",
-                      k.where.text(), type));
-    }
-  }
-
   DeckProgram program_;
   Deck deck_;
+  MaterialReader materials_;
   std::map<std::string, std::string> spelling_;
   Transform system_;  // of the nodes that follow
   Instance* instance_ = nullptr;
   int part_ = 0;
-  bool in_step_ = false, in_assembly_ = false, in_material_ = false;
+  bool in_step_ = false, in_assembly_ = false;
   Implied implied_;
 };
 

@@ -86,6 +86,14 @@ void SectionPlacer::assign(const Section& section, const Part& part, int scope, 
                                 ? &placed_.found_orientation(section.orientation, part.name, section.where)
                                 : nullptr;
   for (const std::int64_t label : set->second) {
+    if (const auto [first, is_new] = section_of_.emplace(std::pair{scope, label}, section.where);
+        !is_new && first->second.text() != section.where.text()) {
+      placed_.deck.otherwise.add(
+          fmt::format("the section of set \"{}\" is taken for elements that have one of {} already",
+                      section.set, first->second.text()),
+          section.where);
+      first->second = section.where;
+    }
     for (auto [bar, end] = placed_.bar_of.equal_range({scope, label}); bar != end; ++bar)
       assign_bar(section, placed_.model.bars[bar->second.first], bar->second.second, index, instance);
     if (const auto found = placed_.cell_of.find({scope, label}); found != placed_.cell_of.end()) {

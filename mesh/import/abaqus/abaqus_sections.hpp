@@ -34,6 +34,7 @@ class SectionPlacer {
 
   PlacedDeck& placed_;
   std::map<std::pair<std::string, std::string>, Index> turned_;  // materials by name and axes
+  std::map<std::pair<int, std::int64_t>, Where> section_of_;     // elements by scope and label
   std::set<std::size_t> spring_set_;                             // springs that have a stiffness
 };
 
