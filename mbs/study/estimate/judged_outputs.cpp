@@ -228,7 +228,8 @@ void Families::judge(std::vector<OutputEstimate>& outputs, bool asked, double to
     // errors times what the others make of it: nothing of a force, an acceleration or a power is known to less.
     const bool follows = is_force(o.dimension) || o.dimension == dim::power;
     const double unknown = std::max(kRoundOff, !follows ? 0.0 : corrected ? kOfNoise * tolerance : tolerance);
-    if (const double made = natural.of(o.dimension); o.scale < unknown * made || o.size_rms < kAboveRest * o.rest)
+    if (const double made = natural.of(o.dimension);
+        o.scale < unknown * made || o.size_rms < kAboveRest * o.rest)
       o.scale = std::max(o.scale, made);
     o.counts = asked || o.size_rms > kNothingUnasked * largest[o.dimension];
   }

@@ -31,7 +31,7 @@ struct OutputEstimate {
   input::Dimension dimension;
   double max = 0.0, rms = 0.0, final = 0.0;  ///< of the error, in the output's unit
   double size_max = 0.0, size_rms = 0.0;     ///< of the corrected output
-  double rest = 0.0;  ///< of it a linear correction knows nothing: what cancels in it leaves so much (rms)
+  double rest = 0.0;   ///< of it a linear correction knows nothing: what cancels in it leaves so much (rms)
   double scale = 0.0;  ///< what an rms error is relative to: size_rms, or the rms of the family
   bool counts = true;  ///< false where nobody asked for it and it is nothing beside others of its unit
   double relative_max() const;
@@ -39,7 +39,8 @@ struct OutputEstimate {
 };
 
 /// Sets `rest` of the forces and torques of joints of the tree from what is left of the equations on each velocity coordinate (n_v).
-void set_rests(const mbs::Mechanism& mechanism, const Eigen::VectorXd& rests, std::vector<OutputEstimate>& outputs);
+void set_rests(const mbs::Mechanism& mechanism, const Eigen::VectorXd& rests,
+               std::vector<OutputEstimate>& outputs);
 
 /// Relative rms, of the worst output that counts, of squared errors integrated over `span`; and which.
 std::pair<double, int> worst_output(const Eigen::VectorXd& squares, double span,
