@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
 #include "mbs/base/documents/shown_text.hpp"
+#include "mbs/formulas/formula_parser.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -80,7 +82,12 @@ input::TableSchema table_schema() {
 
 Curves read_tables(const input::Section& root) {
   Curves tables;
+  std::vector<std::string> meant =
+      function_names();  // formulas would call these, or read them, and never the table
+  meant.insert(meant.end(), {"t", "pi", "e"});
   for (const auto& [name, s] : root.table_map("table")) {
+    if (std::ranges::find(meant, name) != meant.end())
+      s.refuse("", fmt::format("\"{}\" has a meaning of its own in formulas", name), "choose another name");
     if (s.has("file") && (s.has("x") || s.has("y")))
       s.refuse("file", "stands beside x or y", "keep one of them");
     Points points{s.quantities("x"), s.quantities("y")};

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "mbs/base/documents/plausible.hpp"
 #include "mbs/bodies/modal_basis.hpp"
 #include "mbs/file/bodies/read_body.hpp"
 #include "mbs/file/bodies/read_flexible_body.hpp"
@@ -116,7 +117,9 @@ void Reader::read_bodies() {
 
 void Reader::read_subsystem(const std::string& name, const Section& s) {
   if (depth_ >= deepest)
-    s.refuse("file", fmt::format("is the {}th file inside another", deepest + 1),
+    s.refuse("file",
+             fmt::format("lies {} files deep, each placed by the one before; at most {} are taken",
+                         deepest + 1, deepest),
              "a file must not place itself");
   if (name == "ground") s.refuse("", "is the name of the world", "choose another name");
   for (const BodyDescription& body : model_.description.bodies)
@@ -142,6 +145,9 @@ void Reader::read_subsystem(const std::string& name, const Section& s) {
   const std::vector<std::string> overrides = overrides_of_placed(
       s, parameters_, below == overrides_below_.end() ? std::vector<std::string>() : below->second);
   const std::filesystem::path file = s.file("file");
+  if (std::error_code none; !std::filesystem::exists(file, none))
+    s.refuse("file", "there is no such file",
+             "paths start at the folder of the file that places the subsystem");
   if (++model_.n_subsystems > most_subsystems)
     s.refuse("file",
              fmt::format("is placed as subsystem number {} of the mechanism; at most {} are taken",
@@ -202,6 +208,15 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
   MechanismDescription& d = model_.description;
   BodyDescription body;
   body.name = prefix_ + own_name;
+  // "s.p" may stand in the file itself and be the body p of the subsystem s.
+  for (const BodyDescription& other : d.bodies)
+    if (other.name == body.name)
+      s.refuse("",
+               fmt::format(
+                   "would be called \"{}\" in the mechanism, as another body is (of a subsystem, or in the "
+                   "file that places it)",
+                   body.name),
+               "choose another name");
   std::vector<std::pair<std::string, Vector3d>> interfaces;
   const Fidelity& fidelity = fidelity_of(s);
   const bool is_beam =
@@ -213,7 +228,14 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
   std::shared_ptr<const superelement::Superelement> se;
   BeamPart beam;
   if (is_beam) {
-    beam = read_beam_part(s.table("beam"), fidelity.of_beam->use);
+    const Section part = s.table("beam");
+    beam = read_beam_part(part, fidelity.of_beam->use);
+    if (part.has("young") && part.has("density"))
+      if (const std::string odd =
+              input::odd_material(body.name, 1.5 * part.quantity("young") / (1.0 + part.quantity("poisson")),
+                                  part.quantity("density"));
+          !odd.empty())
+        model_.notes.push_back("warning: " + odd);
     interfaces = beam.stations();
   } else if (s.has("superelement")) {
     se = load(s, body.name);

@@ -33,7 +33,7 @@ struct RelativeQuantity {
 };
 
 /// A scalar of the motion of one marker M relative to another F.
-class RelativeMeasure final : public Measure {
+class RelativeMeasure : public Measure {
  public:
   /// `direction`: a unit vector in the axes of F, where the quantity is a component.
   RelativeMeasure(std::string name, int F, int M, const RelativeQuantity& quantity,
@@ -60,6 +60,12 @@ class RelativeMeasure final : public Measure {
   int F_, M_;
   Vector3d direction_;
   RelativeQuantity quantity_;
+};
+
+/// One that a force element makes of itself, "pull.length": the same as its output of that name.
+class MeasureOfElement final : public RelativeMeasure {
+ public:
+  using RelativeMeasure::RelativeMeasure;
 };
 
 }  // namespace flexura::mbs

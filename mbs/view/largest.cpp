@@ -192,9 +192,10 @@ std::map<std::string, Largest> largest_displacements(
   return best;
 }
 
-std::optional<Largest> largest_stress(const superelement::Superelement& se,
-                                      const results::BodyHistory& body) {
-  if (!se.stress || se.stress->vertices.empty() || body.modal.rows() == 0) return std::nullopt;
+namespace {
+
+/// The largest one of the sums of shapes.
+Largest largest_of_shapes(const superelement::Superelement& se, const results::BodyHistory& body) {
   const auto n_places = static_cast<Index>(se.stress->vertices.size());
   Largest best;
   for (Index first = 0; first < n_places; first += kChunk) {
@@ -206,6 +207,44 @@ std::optional<Largest> largest_stress(const superelement::Superelement& se,
   if (StressField(se).components(body.basis * body.modal.row(best.row).transpose()).isZero(0.0f))
     best.value = 0.0;
   return best;
+}
+
+/// The place of a stored quantity; -1 where there is none.
+Index column_of(const results::Run& run, const std::string& name) {
+  const auto found = std::ranges::find(run.quantities, name, &results::Quantity::name);
+  return found == run.quantities.end() ? Index{-1} : static_cast<Index>(found - run.quantities.begin());
+}
+
+}  // namespace
+
+std::optional<Largest> largest_stress(const superelement::Superelement& se, const results::BodyHistory& body,
+                                      const results::Run& run) {
+  if (!se.stress || se.stress->vertices.empty() || body.modal.rows() == 0) return std::nullopt;
+  const Index stored = column_of(run, body.name + ".von_mises");
+  if (stored < 0 || run.values.rows() != body.modal.rows()) return largest_of_shapes(se, body);
+  Largest best;
+  best.value = run.values.col(stored).maxCoeff(&best.row);
+  Vector3d place;
+  bool has_place = true;
+  for (int i = 0; i < 3; ++i) {
+    const Index column = column_of(run, body.name + ".von_mises_" + "xyz"[i]);
+    has_place = has_place && column >= 0;
+    if (has_place) place[i] = run.values(best.row, column);
+  }
+  const Eigen::VectorXf drawn = StressField(se).von_mises(body.basis * body.modal.row(best.row).transpose());
+  double nearest = HUGE_VAL;
+  for (const auto number : se.stress->vertices) {
+    const auto v = static_cast<Index>(number);
+    const double distance = has_place ? (se.surface.vertices.row(v).cast<double>().transpose() - place).norm()
+                                      : -static_cast<double>(drawn[v]);
+    if (distance < nearest) nearest = distance, best.vertex = v;
+  }
+  return best;
+}
+
+double drawn_stress(const superelement::Superelement& se, const results::BodyHistory& body,
+                    const Largest& most) {
+  return StressField(se).von_mises(body.basis * body.modal.row(most.row).transpose())[most.vertex];
 }
 
 }  // namespace flexura::view

@@ -39,7 +39,14 @@ std::map<std::string, Largest> largest_displacements(
     const superelement::Superelement& se, const results::BodyHistory& body,
     const std::vector<ReferenceFrame>& frames, const std::vector<const results::BodyHistory*>& observers);
 
-/// Over the places that have stress modes; nothing where there are none.
-std::optional<Largest> largest_stress(const superelement::Superelement& se, const results::BodyHistory& body);
+/// Over the places that have stress modes; nothing where there are none.  Where the run stores NAME.von_mises it is this, at the
+/// vertex next to NAME.von_mises_x, _y, _z: it holds what loads and accelerations add inside the body, too.  Otherwise it is
+/// that of the shapes alone.
+std::optional<Largest> largest_stress(const superelement::Superelement& se, const results::BodyHistory& body,
+                                      const results::Run& run);
+
+/// What the shapes alone make at the vertex and the row of `most` [Pa]: it is drawn there.
+double drawn_stress(const superelement::Superelement& se, const results::BodyHistory& body,
+                    const Largest& most);
 
 }  // namespace flexura::view

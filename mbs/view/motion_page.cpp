@@ -280,7 +280,10 @@ class MotionWriter {
       for (const auto& [from, most] :
            largest_displacements(se, body, reference_frames(se, body.basis), observers))
         bodies[j]["displacement"][from] = entry(most);
-      if (const auto most = largest_stress(se, body)) bodies[j]["stress"] = entry(*most);
+      if (const auto most = largest_stress(se, body, run)) {
+        bodies[j]["stress"] = entry(*most);
+        bodies[j]["stress"]["drawn"] = drawn_stress(se, body, *most);
+      }
       // Diagrams of section forces are scaled by what the frames show: six rows for the six resultants.
       if (!se.sections) continue;
       const Eigen::MatrixXd forces = se.sections->S * body.basis * body.modal.transpose();

@@ -138,9 +138,9 @@ ForceType line_force() {
             const int P = context.marker(s, "from"), Q = context.marker(s, "to");
             if (P == Q) s.refuse("to", "is the marker `from`", "a line needs two ends");
             context.add_measure(
-                s, std::make_shared<RelativeMeasure>(name + ".length", P, Q, RelativeQuantity::distance()));
-            context.add_measure(s, std::make_shared<RelativeMeasure>(name + ".rate", P, Q,
-                                                                     RelativeQuantity::distance_rate()));
+                s, std::make_shared<MeasureOfElement>(name + ".length", P, Q, RelativeQuantity::distance()));
+            context.add_measure(s, std::make_shared<MeasureOfElement>(name + ".rate", P, Q,
+                                                                      RelativeQuantity::distance_rate()));
             return std::make_shared<LineForce>(name, P, Q, context.expression(s, "value"));
           }};
 }

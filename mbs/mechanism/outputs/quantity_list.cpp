@@ -6,6 +6,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "mbs/measures/relative_measure.hpp"
+
 namespace flexura::mbs {
 namespace {
 
@@ -29,28 +31,18 @@ OutputRole role_of(Quantity::Kind kind, int component) {
   }
 }
 
-// A free body's joint bears its name: what is of either is one thing.
-const char* owner_of(Quantity::Kind kind) {
-  using K = Quantity::Kind;
-  switch (kind) {
-    case K::measure:
-      return "measure";
-    case K::contact:
-    case K::constraint:
-      return "constraint";
-    case K::input:
-      return "input";
-    case K::control:
-      return "control";
-    case K::force:
-      return "force";
-    case K::momentum:
-    case K::energy:
-      return "whole mechanism";
-    default:
-      return "body or joint";
-  }
+// The joint that a body without one gets bears its name: its coordinates are the body's own place and motion.
+bool is_joint_of_free_body(const MechanismDescription& d, const JointDescription& joint, int body) {
+  const auto is_frame = [&](int marker, int of) {
+    const MarkerDescription& m = d.markers[static_cast<std::size_t>(marker)];
+    return m.body == of && m.X_BP.p.isZero(0.0) && m.X_BP.R.isIdentity(0.0);
+  };
+  return joint.name == d.bodies[static_cast<std::size_t>(body)].name && is_frame(joint.marker_F, 0) &&
+         is_frame(joint.marker_M, body);
 }
+
+/// Names under which a run stores its own balance of energy (mbs/solver/run/energy.hpp).
+constexpr const char* names_of_run[] = {"energy.input", "energy.dissipated", "energy.balance"};
 
 input::Dimension unit_of(const MechanismDescription& d, const std::string& signal) {
   const auto given = d.units.find(signal);
@@ -61,19 +53,65 @@ input::Dimension unit_of(const MechanismDescription& d, const std::string& signa
 
 std::vector<Quantity> list_quantities(const Topology& tree, const ConstraintRows& rows, int n_algebraic) {
   std::vector<Quantity> all;
-  std::map<std::string, std::string> taken;  // name, and whose it is
+  struct Owner {
+    std::string what;
+    Quantity::Kind kind;
+    int index;
+    bool is_of_element;  ///< a measure that an element made of itself: "pull.length" of the force "pull"
+  };
+  std::map<std::string, Owner> taken;
+  for (const char* name : names_of_run) taken[name] = {"the run", Quantity::Kind::energy, -1, false};
+  const auto owner = [&](Quantity::Kind kind, int index) -> Owner {
+    using K = Quantity::Kind;
+    const auto k = static_cast<std::size_t>(index);
+    const auto named = [&](const char* what, const std::string& name) {
+      return Owner{fmt::format("{} \"{}\"", what, name), kind, index, false};
+    };
+    switch (kind) {
+      case K::measure: {
+        Owner of = named("measure", tree.d.measures[k]->name());
+        of.is_of_element = dynamic_cast<const MeasureOfElement*>(tree.d.measures[k].get()) != nullptr;
+        return of;
+      }
+      case K::contact:
+        return named("constraint",
+                     rows.constraints()[rows.contacts()[k - static_cast<std::size_t>(n_algebraic)]]->name());
+      case K::constraint:
+        return named("constraint", rows.constraints()[k]->name());
+      case K::input:
+        return named("input", tree.d.inputs[k].name);
+      case K::control:
+        return named("control", tree.d.controls[k]->name());
+      case K::force:
+        return named("force", tree.d.forces[k]->name());
+      case K::coordinate:
+      case K::speed:
+      case K::acceleration:
+      case K::reaction:
+      case K::drive:
+        return named("joint", tree.d.joints[k].name);
+      case K::momentum:
+      case K::energy:
+        return {"the whole mechanism", kind, index, false};
+      default:
+        return named("body", tree.d.bodies[k].name);
+    }
+  };
+  const auto is_one_thing = [&](const Owner& first, const Owner& second) {
+    if (first.what == second.what && first.index == second.index) return true;
+    if (first.is_of_element || second.is_of_element) return true;
+    return first.what.starts_with("joint ") && second.what.starts_with("body ") &&
+           is_joint_of_free_body(tree.d, tree.d.joints[static_cast<std::size_t>(first.index)], second.index);
+  };
   const auto add = [&](std::string name, input::Dimension dimension, std::string doc, Quantity::Kind kind,
                        int index, int component = 0, bool usual = false) {
-    // A measure with a point in its name is one that an element made of itself: "pull.length" of the force "pull".
-    const bool of_element = kind == Quantity::Kind::measure && name.find('.') != std::string::npos;
-    const std::string owner = of_element ? "" : owner_of(kind);
-    if (const auto [other, is_new] = taken.emplace(name, owner); !is_new) {
-      if (other->second == owner || other->second.empty() || of_element) return;
+    Owner own = owner(kind, index);
+    if (const auto [other, is_new] = taken.emplace(name, own); !is_new) {
+      if (is_one_thing(other->second, own)) return;
       throw std::invalid_argument(
-          fmt::format("\"{}\" is a quantity of a {} and of a {}: two of them have one name, so that results "
-                      "would tell of one only; "
-                      "give one of them another name",
-                      name, other->second, owner));
+          fmt::format("\"{}\" is a quantity of {} and of {}: results would tell of one only; give one of "
+                      "them another name",
+                      name, other->second.what, own.what));
     }
     all.push_back({{std::move(name), dimension, std::move(doc), role_of(kind, component)},
                    kind,

@@ -236,6 +236,14 @@ void assemble_start(StartedMechanism& out, const GivenState& given) {
   if (out.options.quasi_static_start && !given.whole) {
     start_quasi_static(*out.mechanism, out.state, out.v_dot, keep);
     start_following(*out.mechanism, out.state, out.v_dot);
+    // What a beam in segments deforms by are coordinates of joints, which start where the file or its loops say.
+    if (std::ranges::any_of(out.mechanism->description().joints,
+                            [](const JointDescription& j) { return j.bends; }))
+      out.assembly.notes.push_back(
+          "beams in segments start undeformed: initial_deformation = \"quasi_static\" sets bodies that "
+          "deform, and "
+          "these are rigid ones on springs; take fidelity = \"beam\" or \"ancf\", or begin with "
+          "--equilibrium");
   }
   tell_points(out);
   // The second assembly finds the loops closed; what it took is in the first report.

@@ -338,7 +338,7 @@ TEST_F(MechanismFileTest, TwoElementsWithQuantitiesOfOneNameAreRefused) {
   };
   const std::string spring = "type = \"joint_spring_damper\"\njoint = \"hinge\"\nstiffness = 100\n";
   EXPECT_THAT(refusal_of("[force.hinge]\n" + spring),
-              HasSubstr("\"hinge.force\" is a quantity of a body or joint and of a force"));
+              HasSubstr("\"hinge.force\" is a quantity of joint \"hinge\" and of force \"hinge\""));
   EXPECT_EQ(refusal_of("[force.spring]\n" + spring), "accepted");
 }
 

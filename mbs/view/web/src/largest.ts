@@ -78,8 +78,11 @@ export class LargestValues {
       }
     }
     this.element.hidden = rows.length === 0;
+    // Colours are sums of shapes; the results' own stress holds what loads and accelerations inside a body add.
+    const beside = this.all(kinds[1]).filter((p) => p.drawn !== undefined && Math.abs(p.drawn - p.value) > 0.01 * p.value);
+    const left = beside.length === 0 ? '' : ` Colours show the stress of the shapes alone, without what accelerations and loads inside the body add: ${beside.map((p) => `${this.text(5, p.drawn!)} in place of ${this.text(5, p.value)} (${p.body})`).join(', ')}.`;
     this.element.replaceChildren(h('header', {}, h('h2', {}, 'Largest values')),
-      h('p', { class: 'hint' }, `Of all stored times and all vertices of the surface; displacement ${this.fromWhere()}. A click shows the place and the time.`),
+      h('p', { class: 'hint' }, `Of all stored times and all vertices of the surface; displacement ${this.fromWhere()}. A click shows the place and the time.${left}`),
       h('div', {}, h('table', { class: 'quantities' }, h('thead', {}, h('tr', {}, ...['Of', 'Run', 'Body', 'Largest', 'Time', 'Place in the body']
         .map((c) => h('th', { scope: 'col', class: ['Largest', 'Time'].includes(c) ? 'number' : undefined }, c)))), h('tbody', {}, ...rows))));
   }

@@ -36,7 +36,7 @@ export interface Connection {
 export interface InterfaceFrame { name: string; point: Point; motion: number[][] }
 
 /** A largest value [m or Pa]: the time it is stored at, and the vertex of the surface. */
-export interface Peak { value: number; time: number; vertex: number }
+export interface Peak { value: number; time: number; vertex: number; drawn?: number /* of stress: what the shapes alone make there */ }
 
 export interface RunBody {
   name: string;
