@@ -49,7 +49,8 @@ struct MechanismFile {
   std::map<std::string, bool> leaves_fidelity_open = {};
   std::vector<BlindSpot> blind_spots = {};
   std::vector<StateSet> states = {};
-  std::vector<std::string> deformable = {};  ///< the file's own superelements and beams, whatever their fidelity
+  std::vector<std::string> deformable =
+      {};  ///< the file's own superelements and beams, whatever their fidelity
 };
 
 /// Reads and checks the file with `overrides` applied ("body.rod.fidelity=rigid").  Superelement files are

@@ -61,7 +61,7 @@ std::string ending_of(const std::filesystem::path& file) {
 }
 
 bool is_cad_ending(const std::string& ending) {
-  constexpr std::string_view known[] = {".step", ".stp", ".iges", ".igs", ".brep", ".stl"};
+  constexpr std::string_view known[] = {".step", ".stp", ".p21", ".iges", ".igs", ".brep", ".brp", ".stl"};
   return std::ranges::find(known, ending) != std::end(known);
 }
 

@@ -83,7 +83,8 @@ PartFormat format_of(const Section& geometry) {
   if (end == ".bdf" || end == ".dat" || end == ".nas") return PartFormat::nastran;
   if (end == ".unv") return PartFormat::unv;
   if (end == ".csv" || end == ".txt") return PartFormat::nodes;
-  if (is_cad_ending(end)) return PartFormat::cad;
+  if (is_cad_ending(end) || end == ".xml")
+    return PartFormat::cad;  // whose reader answers FlexData with its key
   const std::string what = foreign_format(path);
   geometry.refuse(
       "file", what.empty() ? "is a kind of file that is not known here" : what,

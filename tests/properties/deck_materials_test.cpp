@@ -38,7 +38,7 @@ TEST_F(DeckMaterials, EndAtTheNextCardThatIsNoOptionOfOne) {
                                            "*DEPVAR\n3\n",
                                            "*CREEP\n1, 1, 1\n",
                                            "*NO COMPRESSION\n",
-                                           "*DAMPING, ALPHA=3\n",
+                                           "*ACOUSTIC MEDIUM\n1\n",
                                            "*VISCOELASTIC, TIME=PRONY\n0.1, 0.1, 1\n",
                                            "*USER MATERIAL, CONSTANTS=1\n1\n",
                                            "*DAMAGE INITIATION, CRITERION=DUCTILE\n1, 0, 0\n",

@@ -103,7 +103,7 @@ const EXEMPT = [
   ['mbs/solver/run/run_memory.cpp', 'of a state file whose checksum fits: changed by hand'],
   ['mbs/formulas/expression.cpp', 'what a formula is at a time; behind it stands where the rows before it are'],
   ['beam/section/section.cpp', 'the entry and what it is to be'],
-  ['reduce/library/reduce_part.cpp', 'the key before the sentence of the modes that are struck'],
+  ['reduce/library/request.cpp', 'the key before the sentence of the modes that are struck'],
   ['reduce/library/attempt.cpp', 'before the sentence of the sizes that were out of reach'],
   ['reduce/file/part_file.cpp', 'the key before the sentence of PETSc\'s options'],
   ['mesh/gmsh/worker/read_mesh.cpp', 'damaged meshes: the child\'s words, before which the file stands'],

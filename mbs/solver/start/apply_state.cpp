@@ -16,7 +16,8 @@ std::string body_of(const std::string& state, const MechanismFile& file) {
   const auto mode = state.rfind(".mode_");  // of a subsystem's body
   if (mode == std::string::npos) return "";
   const std::string body = state.substr(0, mode);
-  return std::ranges::find(file.description.bodies, body, &BodyDescription::name) != file.description.bodies.end()
+  return std::ranges::find(file.description.bodies, body, &BodyDescription::name) !=
+                 file.description.bodies.end()
              ? body
              : "";
 }
@@ -78,7 +79,8 @@ class Application {
       return;
     const std::string body = body_of(value.state, file_);
     if (body.empty())
-      throw input::InputError(value.where + ": the mechanism has no such state" +
+      throw input::InputError(value.where +
+                              ": is none of the mechanism's states; take one that flexura assemble lists" +
                               input::suggestion(value.state, known));
     ++left_out_[body];
   }

