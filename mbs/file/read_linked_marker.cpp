@@ -91,7 +91,9 @@ std::vector<input::Key> linked_marker_keys() {
              "interfaces of a "
              "straight beam and moves by the shape functions of its element, stretch and twist linear, "
              "across it cubic, "
-             "which is exact where no load bends the beam between them")
+             "which is exact of an Euler-Bernoulli beam that no load bends between them (what shear deflects "
+             "it by is "
+             "shared out as bending is)")
           .or_default("average"),
   };
 }

@@ -123,7 +123,9 @@ TableSchema damping_schema() {
       input::quantity("critical_above", dim::frequency,
                       "modes from this frequency are damped critically: they follow without ringing")
           .above(0),
-      input::quantity("alpha", dim::frequency, "Rayleigh: times the mass matrix [1/s]")
+      input::quantity("alpha", dim::frequency,
+                      "Rayleigh: times the mass matrix [1/s], less what resists rigid motion: drag of a free "
+                      "part is a force of the mechanism (or rayleigh_alpha of its body)")
           .or_default("0")
           .at_least(0),
       input::quantity("beta", dim::time, "Rayleigh: times the stiffness matrix").or_default("0").at_least(0),

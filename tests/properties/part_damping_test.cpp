@@ -193,7 +193,7 @@ TEST(PartDamping, OfDecksIsThatOfTheFullModel) {
       if (chance.flip(0.5)) own.loss = std::round(1e6 * chance.between(0.001, 0.1)) / 1e6;
       materials.push_back(own);
       if (nastran)
-        cards += fmt::format("MAT1,{},{:.6e},,0.3,{:.1f},,,,\n,{:.6f}\n", m + 1, own.E, own.rho, own.loss) +
+        cards += fmt::format("MAT1,{},{:.6e},,0.3,{:.1f},,,{:.6f}\n", m + 1, own.E, own.rho, own.loss) +
                  fmt::format("PROD,{},{},{:.4e},0.\n", m + 1, m + 1, area);
       else
         cards += fmt::format(

@@ -123,7 +123,7 @@ void NastranReader::read_materials() {
     if (has_E_alone)
       deck_.approximated.add("MAT1 of E alone (Nastran: G = NU = 0): NU = 0 and G = E / 2 are used",
                              card->where);
-    material.loss = card->real(8, 0);
+    material.loss = card->real(7, 0);
     require_not_negative(material.loss, fmt::format("MAT1 {}", id), "damping GE", card->where);
     const double G = card->real(2, 0);
     material.nu = has_nu ? card->real(3) : has_E_alone ? 0.0 : card->real(1) / (2 * G) - 1;

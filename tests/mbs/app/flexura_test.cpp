@@ -172,7 +172,8 @@ TEST_F(Flexura, BadInputIsRefusedInOneLineWithCode2) {
   refused("modes " FLEXURA_SOURCE_DIR "/CMakeLists.txt", "CMakeLists.txt: is not an HDF5 file");
   refused("modes " + beam_ + " --clamped middle",
           "there is no interface \"middle\" in superelement \"box beam\"; it has left, right");
-  refused("modes " + beam_ + " --free --fixed", "--free, --fixed, --clamped and --constraint exclude each other");
+  refused("modes " + beam_ + " --free --fixed",
+          "--free, --fixed, --clamped and --constraint exclude each other");
   refused("modes " + beam_ + " -n 0", "--count is 0, it must be at least 1");
   refused("export " + beam_ + " -f vkt", "\"vkt\" is not a known choice, did you mean \"vtk\"?");
   refused("export " + beam_, "--format is required");

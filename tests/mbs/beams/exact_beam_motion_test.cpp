@@ -153,7 +153,7 @@ TEST(ExactBeamInMotion, OverhungRotorWhirls) {
       shaft.d.add_body({.name = "disc",
                         .inertia = RigidInertia::from_center(
                             m, Vector3d::Zero(), Vector3d(theta_p, theta_d, theta_d).asDiagonal())});
-  shaft.d.add_joint("hub", "fixed", shaft.marker(1, "tip"), shaft.d.add_marker(disc, "in"));
+  shaft.d.add_joint("seat", "fixed", shaft.marker(1, "tip"), shaft.d.add_marker(disc, "in"));
   Mechanism mechanism(shaft.d);
   State s = mechanism.initial_state();
   VectorXd v_dot;

@@ -153,9 +153,8 @@ TEST_F(StateSets, WhatMeansNothingIsRefused) {
   const struct {
     const char *set, *says;
   } wrong[] = {{"values.hinge.angel = 1",
-                "m.toml:14: state.a.values.hinge.angel: is none of the mechanism's states, which flexura "
-                "assemble lists, "
-                "did you mean \"hinge.angle\"?"},
+                "m.toml:14: state.a.values.hinge.angel: is none of the mechanism's states; take one that "
+                "flexura assemble lists, did you mean \"hinge.angle\"?"},
                {"values.hinge.angle = \"3 mm\"", "is a length, an angle is wanted"},
                {"values.hinge.angle = \"haf*2\"", "haf"},
                {"values.hinge.angle = \"inf\"", "state.a.values.hinge.angle"},
