@@ -40,6 +40,7 @@ PlanarMesh mesh_planar(const PlanarOptions& options, const Progress& progress) {
     throw std::invalid_argument(std::string("the section cannot be meshed: it ") + error.what());
   }
   PlanarMesh mesh;
+  mesh.messages = answer.record.messages;
   mesh.points.resize(static_cast<Eigen::Index>(answer.record.n_points), 2);
   for (Eigen::Index k = 0; k < mesh.points.rows(); ++k)
     mesh.points.row(k) << answer.arrays.points[3 * k], answer.arrays.points[3 * k + 1];

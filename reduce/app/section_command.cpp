@@ -7,6 +7,7 @@
 
 #include "mbs/base/documents/document.hpp"
 #include "mbs/base/files/output.hpp"
+#include "mbs/base/terminal/terminal.hpp"
 #include "mbs/superelement/text_file.hpp"
 #include "reduce/app/section_report.hpp"
 #include "reduce/file/section_file.hpp"
@@ -45,9 +46,11 @@ int solve_section(const Arguments& arguments, const terminal::Verbosity& verbosi
                     source.string()));
   files::Claims claims;
   claims.add(output).add(drawing);
-  const beam::SectionProperties section = solve(read_section_file(source, overrides));
+  std::vector<std::string> warnings;
+  const beam::SectionProperties section = solve(read_section_file(source, overrides), &warnings);
   superelement::write_whole(output, section_result(section));
   superelement::write_whole(drawing, section_svg(section));
+  for (const std::string& warning : warnings) terminal::say(stderr, "warning: " + warning);
   if (arguments.json) {
     std::cout << section_json(section) << '\n';
   } else if (!verbosity.quiet) {

@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "mbs/base/documents/document.hpp"
+#include "mbs/base/documents/plausible.hpp"
+#include "reduce/file/polygon.hpp"
 
 namespace flexura::reduce {
 
@@ -61,13 +64,52 @@ beam::PlyMaterial read_material(const std::string& name, const Section& in) {
           q("nu_23")};
 }
 
-mesh::PlaneLoop read_points(const Section& in, double unit) {
+mesh::PlaneLoop read_points(const Section& in, double unit, bool closed) {
   const Eigen::MatrixXd points = in.matrix("points");
   if (points.cols() != 2 || points.rows() < 2)
     in.refuse("points", fmt::format("is {} x {}; points are rows [y, z]", points.rows(), points.cols()));
+  // Farther away no digit of the geometry kernel is left for a section; NaN.
+  constexpr double most = 1e4;
+  if (const double size = unit * points.cwiseAbs().maxCoeff(); !(size < most) || !points.allFinite())
+    in.refuse("points", fmt::format("reaches {:.3g} m; all must be below {:g} m", size, most),
+              "check `unit`");
   mesh::PlaneLoop loop;
   for (int k = 0; k < points.rows(); ++k) loop.push_back({unit * points(k, 0), unit * points(k, 1)});
+  return without_repeated(loop, closed);
+}
+
+mesh::PlaneLoop read_polygon(const Section& in, double unit) {
+  mesh::PlaneLoop loop = read_points(in, unit, true);
+  if (const std::string fault = polygon_fault(loop); !fault.empty())
+    in.refuse("points", "is no outline: " + fault,
+              "give the corners one after the other around it; what is inside goes into [hole.NAME], several "
+              "pieces into "
+              "several regions");
   return loop;
+}
+
+double area_of(const mesh::PlaneLoop& loop) {
+  return shared_area(loop, loop);
+}
+
+mesh::PlaneLoop read_midline(const Section& in, double unit) {
+  const mesh::PlaneLoop line = read_points(in, unit, false);
+  if (line.size() < 2) in.refuse("points", "is a single place", "a mid-line has two points or more");
+  for (std::size_t k = 1; k + 1 < line.size(); ++k) {
+    const auto at = [&](std::size_t i) { return Eigen::Vector2d(line[i][0], line[i][1]); };
+    const Eigen::Vector2d before = (at(k) - at(k - 1)).normalized(), after = (at(k + 1) - at(k)).normalized();
+    if (before.dot(after) < 0.0 && std::abs(before.x() * after.y() - before.y() * after.x()) < 1e-6)
+      in.refuse("points",
+                fmt::format("folds back on itself at ({:g}, {:g})", line[k][0] / unit, line[k][1] / unit),
+                "give each wall once");
+  }
+  return line;
+}
+
+void note_odd(const beam::PlyMaterial& m, std::vector<std::string>& warnings) {
+  if (m.rho == 0.0) return;  // a section for statics
+  if (std::string odd = input::odd_material(m.name, 3.0 * m.G_12, m.rho); !odd.empty())
+    warnings.push_back(std::move(odd));
 }
 
 }  // namespace
@@ -81,7 +123,7 @@ const TableSchema& section_file_schema() {
     region.keys.push_back(
         input::quantity("plane_angle", dim::angle, "direction of the ply in the section, from y")
             .or_default("0 deg"));
-    TableSchema hole{.name = "hole", .doc = "A polygon cut out of a region."};
+    TableSchema hole{.name = "hole", .doc = "A polygon cut out of a region, over whose edge it may reach."};
     hole.keys = {input::text("region", "name of the region").required(),
                  input::matrix("points", "corners, rows [y, z] in `unit`").required()};
     TableSchema wall{.name = "wall", .doc = "A thin wall along a mid-line; its plies lie along it."};
@@ -93,7 +135,8 @@ const TableSchema& section_file_schema() {
         input::text("name", "name of the section; default: the file's name"),
         input::choice("unit", {"m", "mm", "cm", "in"}, "unit of `points`").or_default("mm"),
         input::text("cad", "instead of regions and walls: a CAD file of planar faces, relative to this file"),
-        input::quantity("size", dim::length, "element size; default: half of area over outline").above(0),
+        input::quantity("size", dim::length, "element size, at most area over outline; default: half of that")
+            .above(0),
         input::table_map("material", material_schema(), "material by name").required(),
         input::table_map("region", region, "polygons by name"),
         input::table_map("hole", hole, "holes by name"),
@@ -144,6 +187,7 @@ SectionInput read_section_file(const std::filesystem::path& file, const std::vec
   for (const auto& [name, m] : in.table_map("material")) {
     names.push_back(name);
     materials.push_back(read_material(name, m));
+    note_odd(materials.back(), section.warnings);
   }
   const auto material_of = [&](const Section& where) -> const beam::PlyMaterial& {
     if (!where.has("material")) {
@@ -170,7 +214,8 @@ SectionInput read_section_file(const std::filesystem::path& file, const std::vec
   if (in.has("region"))
     for (const auto& [name, r] : in.table_map("region")) {
       regions.push_back(name);
-      section.planar.regions.push_back({read_points(r, unit), {}});
+      section.regions.push_back("region." + name);
+      section.planar.regions.push_back({read_polygon(r, unit), {}});
       section.plies.push_back({material_of(r), r.quantity("fibre_angle"), r.quantity("plane_angle")});
     }
   if (in.has("hole"))
@@ -178,13 +223,24 @@ SectionInput read_section_file(const std::filesystem::path& file, const std::vec
       const auto it = std::find(regions.begin(), regions.end(), h.text("region"));
       if (it == regions.end())
         h.refuse("region", "there is no such region" + input::suggestion(h.text("region"), regions));
-      section.planar.regions[it - regions.begin()].holes.push_back(read_points(h, unit));
+      mesh::PlaneRegion& region = section.planar.regions[it - regions.begin()];
+      mesh::PlaneLoop hole = read_polygon(h, unit);
+      const double whole = area_of(region.outer), cut = shared_area(region.outer, hole);
+      // Beside round-off of the areas.
+      if (!(cut > 1e-9 * std::max(whole, area_of(hole))))
+        h.refuse("points", fmt::format("lies outside of region.{}: it cuts nothing out", *it),
+                 "check the region's name and `points`, or take the hole away");
+      if (!(whole - cut > 1e-9 * whole))
+        h.refuse("points", fmt::format("leaves nothing of region.{}", *it),
+                 "check the region's name and `points`");
+      region.holes.push_back(std::move(hole));
     }
   if (in.has("wall"))
     for (const auto& [name, w] : in.table_map("wall"))
-      for (const mesh::PlaneRegion& region : wall_regions(read_points(w, unit), w.quantity("thickness"))) {
+      for (const mesh::PlaneRegion& region : wall_regions(read_midline(w, unit), w.quantity("thickness"))) {
         const double y = region.outer[1][0] - region.outer[0][0], z = region.outer[1][1] - region.outer[0][1];
         section.planar.regions.push_back(region);
+        section.regions.push_back("wall." + name);
         section.plies.push_back({material_of(w), w.quantity("fibre_angle"), std::atan2(z, y)});
       }
   if (section.planar.regions.empty())
@@ -193,8 +249,23 @@ SectionInput read_section_file(const std::filesystem::path& file, const std::vec
   return section;
 }
 
-beam::SectionProperties solve(const SectionInput& input) {
+beam::SectionProperties solve(const SectionInput& input, std::vector<std::string>* warnings) {
   const mesh::PlanarMesh planar = mesh::mesh_planar(input.planar);
+  if (warnings) {
+    *warnings = input.warnings;
+    warnings->insert(warnings->end(), planar.messages.begin(), planar.messages.end());
+    // What regions share belongs to the first: of one inside another that stands before it nothing is left.
+    std::map<std::string, int> triangles;
+    for (const std::string& name : input.regions) triangles[name] = 0;
+    for (const int region : planar.region)
+      if (input.planar.cad.empty()) ++triangles[input.regions[static_cast<std::size_t>(region)]];
+    for (const auto& [name, n] : triangles)
+      if (n == 0)
+        warnings->push_back(fmt::format(
+            "{} adds nothing: it lies within others that stand before it in the file; if its material "
+            "is meant there, put it before them",
+            name));
+  }
   beam::SectionMesh mesh{planar.points, planar.triangles, planar.region, {}};
   if (!input.planar.cad.empty()) mesh.ply.clear();
   return beam::solve_section(input.name, mesh, input.plies);

@@ -17,7 +17,9 @@ namespace flexura::reduce {
 struct SectionInput {
   std::string name;
   mesh::PlanarOptions planar;
-  std::vector<beam::Ply> plies;  ///< of each region; one for all faces of a CAD file
+  std::vector<beam::Ply> plies;         ///< of each region; one for all faces of a CAD file
+  std::vector<std::string> regions;     ///< "region.web" or "wall.flange" of each, for messages
+  std::vector<std::string> warnings{};  ///< what is hardly meant
 };
 
 const input::TableSchema& section_file_schema();
@@ -30,6 +32,7 @@ SectionInput read_section_file(const std::filesystem::path& file,
 /// mitre.
 std::vector<mesh::PlaneRegion> wall_regions(const mesh::PlaneLoop& midline, double thickness);
 
-beam::SectionProperties solve(const SectionInput& input);
+/// `warnings` gets what the mesh tells, those of the input among it.
+beam::SectionProperties solve(const SectionInput& input, std::vector<std::string>* warnings = nullptr);
 
 }  // namespace flexura::reduce

@@ -5,38 +5,19 @@
 
 #include <cmath>
 
+#include "mbs/base/documents/plausible.hpp"
 #include "mesh/model/hinges.hpp"
 
 namespace flexura::reduce {
 
 std::string odd_material(const Material& material, bool of_deck) {
-  if (!material.plies.empty()) return "";              // a mean of others, which are asked themselves
-  constexpr double kSoftest = 1e3, kStiffest = 2e12;   // [Pa]: gels, diamond
-  constexpr double kLightest = 1.0, kHeaviest = 25e3;  // [kg/m^3]: aerogels, osmium
-  // [m/s], of sound in a bar: 17e3 in diamond, some 40 in soft rubber.
-  constexpr double kSlowest = 20.0, kFastest = 25e3;
-  const auto remedy = [&](const char* own) -> std::string {
-    return of_deck ? "a deck is taken in m, kg, s unless [geometry] unit says otherwise (unit = \"mm\", or "
-                     "--unit-system mm-t-s)"
-                   : own;
-  };
+  if (!material.plies.empty()) return "";  // a mean of others, which are asked themselves
   // In shear: what does not depend on how compressible the material is.
-  const double stiffness = 3.0 * material.D(3, 3);
-  if (!(stiffness > kSoftest && stiffness < kStiffest))
-    return fmt::format("material \"{}\" has a stiffness of about {:.3g} Pa, as no material has; {}",
-                       material.name, stiffness,
-                       remedy("is the unit of its Young's modulus missing (young = \"210 GPa\")?"));
-  if (!(material.density > kLightest && material.density < kHeaviest))
-    return fmt::format("material \"{}\" has a density of {:.3g} kg/m^3, as no material has; {}",
-                       material.name, material.density,
-                       remedy("is its unit missing (density = \"7850 kg/m^3\")?"));
-  if (const double speed = std::sqrt(stiffness / material.density); speed > kFastest || speed < kSlowest)
-    return fmt::format(
-        "material \"{}\" has a stiffness of about {:.3g} Pa and {:.3g} kg/m^3, in which sound would be as {} "
-        "as in no material ({:.2g} km/s); {}",
-        material.name, stiffness, material.density, speed > kFastest ? "fast" : "slow", 1e-3 * speed,
-        remedy("are the units of Young's modulus and density right (\"210 GPa\", \"7850 kg/m^3\")?"));
-  return "";
+  return input::odd_material(
+      material.name, 3.0 * material.D(3, 3), material.density,
+      of_deck ? "a deck is taken in m, kg, s unless [geometry] unit says otherwise (unit = "
+                "\"mm\", or --unit-system mm-t-s)"
+              : "");
 }
 
 std::string odd_size(const mesh::Mesh& mesh) {

@@ -82,7 +82,7 @@ void run(const Job& job, ResultRecord& result, Arrays& arrays) {
   }
   if (job.task == "planar") {
     say(0, "meshing the section");
-    mesh_planar_faces(job, arrays);
+    mesh_planar_faces(job, result, arrays);
     return;
   }
   say(0, "reading the CAD file");

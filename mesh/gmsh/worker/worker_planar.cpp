@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <sstream>
 #include <stdexcept>
 
 #include "mesh/gmsh/worker/worker_nodes.hpp"
@@ -15,21 +16,24 @@ namespace {
 
 constexpr double kModelUnit = 1e-3;  // mm: what OpenCASCADE's tolerances are made for
 
-gmsh::vectorpair draw(const Job& job) {
-  gmsh::vectorpair faces;
-  for (const auto& region : job.regions) {
-    std::vector<int> loops;
-    for (const auto& corners : region) {
-      std::vector<int> points, lines;
-      for (std::size_t k = 0; k + 1 < corners.size(); k += 2)
-        points.push_back(gmsh::model::occ::addPoint(corners[k] / kModelUnit, corners[k + 1] / kModelUnit, 0));
-      for (std::size_t k = 0; k < points.size(); ++k)
-        lines.push_back(gmsh::model::occ::addLine(points[k], points[(k + 1) % points.size()]));
-      loops.push_back(gmsh::model::occ::addCurveLoop(lines));
-    }
-    faces.emplace_back(2, gmsh::model::occ::addPlaneSurface(loops));
-  }
-  return faces;
+int draw(const std::vector<double>& corners) {
+  std::vector<int> points, lines;
+  for (std::size_t k = 0; k + 1 < corners.size(); k += 2)
+    points.push_back(gmsh::model::occ::addPoint(corners[k] / kModelUnit, corners[k + 1] / kModelUnit, 0));
+  for (std::size_t k = 0; k < points.size(); ++k)
+    lines.push_back(gmsh::model::occ::addLine(points[k], points[(k + 1) % points.size()]));
+  return gmsh::model::occ::addPlaneSurface({gmsh::model::occ::addCurveLoop(lines)});
+}
+
+// The faces of a region, its holes cut out of it wherever they lie: one, or several that a hole parts.
+gmsh::vectorpair draw(const std::vector<std::vector<double>>& loops) {
+  gmsh::vectorpair faces = {{2, draw(loops.front())}}, holes;
+  for (std::size_t k = 1; k < loops.size(); ++k) holes.emplace_back(2, draw(loops[k]));
+  if (holes.empty()) return faces;
+  gmsh::vectorpair left;
+  std::vector<gmsh::vectorpair> map;
+  gmsh::model::occ::cut(faces, holes, left, map);
+  return left;
 }
 
 // The coordinates that span the plane of all faces.
@@ -53,19 +57,28 @@ std::array<int, 2> plane_of(const gmsh::vectorpair& faces) {
 
 }  // namespace
 
-void mesh_planar_faces(const Job& job, Arrays& arrays) {
+void mesh_planar_faces(const Job& job, ResultRecord& result, Arrays& arrays) {
   gmsh::vectorpair faces;
+  std::vector<int> numbers_of_faces;  // of each its region, or its place in the file
   if (job.path.empty()) {
-    faces = draw(job);
+    for (std::size_t k = 0; k < job.regions.size(); ++k)
+      for (const auto& face : draw(job.regions[k])) {
+        faces.push_back(face);
+        numbers_of_faces.push_back(static_cast<int>(k));
+      }
+    if (faces.empty()) throw std::runtime_error("has no area");
   } else {
     gmsh::vectorpair imported;
     gmsh::model::occ::importShapes(job.path, imported, true, job.format);
     for (const auto& entity : imported)
-      if (entity.first == 2) faces.push_back(entity);
+      if (entity.first == 2) {
+        numbers_of_faces.push_back(static_cast<int>(faces.size()));
+        faces.push_back(entity);
+      }
     if (faces.empty()) throw std::runtime_error("holds no face; export the section as a planar face");
   }
   std::map<int, int> region_of;
-  for (std::size_t k = 0; k < faces.size(); ++k) region_of[faces[k].second] = static_cast<int>(k);
+  for (std::size_t k = 0; k < faces.size(); ++k) region_of[faces[k].second] = numbers_of_faces[k];
   if (faces.size() > 1) {
     gmsh::vectorpair pieces;
     std::vector<gmsh::vectorpair> map;
@@ -73,7 +86,7 @@ void mesh_planar_faces(const Job& job, Arrays& arrays) {
     region_of.clear();
     for (std::size_t k = 0; k < map.size() && k < faces.size(); ++k)
       for (const auto& piece : map[k])
-        if (piece.first == 2) region_of.insert({piece.second, static_cast<int>(k)});  // the first keeps it
+        if (piece.first == 2) region_of.insert({piece.second, numbers_of_faces[k]});  // the first keeps it
     faces.clear();
     for (const auto& [tag, region] : region_of) faces.emplace_back(2, tag);
   }
@@ -92,7 +105,29 @@ void mesh_planar_faces(const Job& job, Arrays& arrays) {
     outline += mass;
   }
   if (!(area > 0) || !(outline > 0)) throw std::runtime_error("has no area");
-  const double size = job.size > 0 ? job.size / kModelUnit : 0.5 * area / outline;
+  // Twice area over outline is the thickness of a thin wall: at least two elements stand across it.
+  constexpr double most = 300e3;  // equilateral triangles of the size
+  const double coarsest = area / outline, finest = std::sqrt(area / (std::sqrt(3.0) / 4 * most));
+  const double wanted = job.size > 0 ? job.size / kModelUnit : std::max(0.5 * coarsest, finest);
+  const double size = std::min(wanted, coarsest);
+  std::ostringstream text;
+  text.precision(3);
+  if (finest > coarsest) {
+    text << "is too thin for its length: two triangles across its mean thickness, 2 area / outline = "
+         << 2 * coarsest << " mm, make more than 300000 of them; give its constants (A, I_yy, ...) instead";
+    throw std::runtime_error(text.str());
+  }
+  if (size < finest) {
+    text << "would have some " << most * (finest * finest) / (size * size) << " triangles of the size "
+         << size << " mm, at most 300000 are taken; give a size of " << 1.05 * finest << " mm or more";
+    throw std::runtime_error(text.str());
+  }
+  if (wanted > coarsest) {
+    text << "size = " << wanted
+         << " mm is coarser than half of the section's mean thickness, 2 area / outline = " << 2 * coarsest
+         << " mm: meshed with " << size << " mm";
+    result.messages.push_back(text.str());
+  }
   gmsh::option::setNumber("Mesh.MeshSizeMax", size);
   gmsh::option::setNumber("Mesh.MeshSizeMin", 0.2 * size);
   gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", 24);
