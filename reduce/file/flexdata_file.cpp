@@ -116,6 +116,7 @@ FlexDataInput read_flexdata_part(const std::filesystem::path& file,
   const auto& [length, mass] = lengths.at(in.text("unit"));
   part.unit_length = length;
   part.unit_mass = mass_unit(in.has("mass_unit") ? in.text("mass_unit") : mass);
+  part.has_units = in.has("unit") || in.has("mass_unit");
   if (in.has("mass")) part.mass = in.quantity("mass");
   if (in.has("centre")) part.centre = in.vector3("centre");
   if (in.has("inertia")) part.inertia = symmetric(in.quantities("inertia"));

@@ -23,6 +23,7 @@ struct FlexDataInput {
   std::filesystem::path file;
   std::optional<int> id;                      ///< of the body, in a file of several
   double unit_length = 1.0, unit_mass = 1.0;  ///< of the file, in SI
+  bool has_units = false;                     ///< these were given
   std::optional<double> mass;                 ///< [kg]
   std::optional<Eigen::Vector3d> centre;      ///< [m]
   std::optional<Eigen::Matrix3d> inertia;     ///< about the centre [kg m^2]

@@ -13,6 +13,7 @@
 #include "mbs/superelement/file.hpp"
 #include "mbs/superelement/modes.hpp"
 #include "tests/app/command.hpp"
+#include "tests/mbs/random/chance.hpp"
 
 namespace flexura::test {
 namespace {
@@ -249,6 +250,58 @@ TEST_F(FlexDataFiles, WhatIsBrokenIsRefusedByOneSentence) {
   const Outcome option = run("flexura-reduce", {(folder_ / "bar.xml").string(), "--modes", "3"});
   EXPECT_EQ(option.exit_code, 2);
   EXPECT_THAT(option.err, HasSubstr("--modes is for parts that are reduced here"));
+}
+
+// Moments of inertia of points are those of a body, whatever their number: three make a flat one.  None where one principal moment is
+// made greater than the others together.
+TEST_F(FlexDataFiles, InertiaThatNoBodyHasIsRefused) {
+  std::string text = xml();
+  const std::size_t comment = text.find("<!-- Flexura:");
+  text.erase(comment, text.find("-->", comment) + 3 - comment);
+  folder_.write("other.xml", text);
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    mbs::chance::Chance chance(seed);
+    Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+    for (int k = 2 + chance.below(3); k > 0; --k) {
+      const Eigen::Vector3d x = chance.vector(0.5);
+      second += x * x.transpose();
+    }
+    const bool flat_or_full = chance.flip(0.5);
+    if (!flat_or_full) {  // int z^2 dm below zero along some direction, by a tenth of the whole
+      const Eigen::Vector3d n = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second).eigenvectors().col(0);
+      second -= (n.dot(second * n) + 0.1 * second.trace()) * n * n.transpose();
+    }
+    const Eigen::Matrix3d J = second.trace() * Eigen::Matrix3d::Identity() - second;
+    const Outcome outcome = read(
+        "other.toml",
+        fmt::format(
+            "[flexdata]\nfile = \"other.xml\"\nmass = 3\ncentre = [0.5, 0, 0]\ninertia = [{:.17g}, {:.17g}, "
+            "{:.17g}, {:.17g}, {:.17g}, {:.17g}]\n",
+            J(0, 0), J(1, 1), J(2, 2), J(0, 1), J(1, 2), J(2, 0)));
+    EXPECT_EQ(outcome.exit_code, flat_or_full ? 0 : 2) << seed << outcome.err;
+    if (!flat_or_full) EXPECT_THAT(outcome.err, HasSubstr("none greater than the others together")) << seed;
+  }
+}
+
+// A file with our comment is in kg and m, whatever the part file says.
+TEST_F(FlexDataFiles, UnitsBesideTheFilesOwnIntegralsAreRefused) {
+  for (const char* key : {"unit = \"mm\"", "unit = \"m\"", "mass_unit = \"t\""}) {
+    const Outcome outcome = read("own.toml", fmt::format("[flexdata]\nfile = \"bar.xml\"\n{}\n", key));
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err,
+                AllOf(HasSubstr("brings its mass and inertia along"), HasSubstr("mass_unit out")));
+  }
+  EXPECT_EQ(read("own.toml", "[flexdata]\nfile = \"bar.xml\"\n").exit_code, 0);
+}
+
+TEST_F(FlexDataFiles, InUtf16AreToldTheirEncoding) {
+  for (const bool has_mark : {true, false}) {
+    std::string wide = has_mark ? std::string("\xff\xfe", 2) : "";
+    for (const char c : xml()) wide += c, wide += '\0';
+    const Outcome outcome = read("wide.xml", wide);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("UTF-16")) << has_mark;
+  }
 }
 
 // Modes at a few nodes are no geometry: the file is known, and what to give instead is said.

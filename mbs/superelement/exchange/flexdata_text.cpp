@@ -9,6 +9,7 @@
 #include <charconv>
 #include <filesystem>
 #include <stdexcept>
+#include <string_view>
 
 namespace flexura::superelement::flexdata {
 namespace {
@@ -156,7 +157,13 @@ std::vector<Element> elements_of(const Text& text) {
     out.push_back(std::move(element));
     at = out.back().end;
   }
-  if (out.empty()) text.fail(0, "holds no Reference_FlexData");
+  if (out.empty()) {
+    const std::string_view begin = std::string_view(text.text).substr(0, 4);
+    if (begin.starts_with("\xff\xfe") || begin.starts_with("\xfe\xff") ||
+        begin.find('\0') != std::string_view::npos)
+      text.fail(0, "is written in UTF-16 or UTF-32; save it as UTF-8");
+    text.fail(0, "holds no Reference_FlexData");
+  }
   for (Element& element : out) {
     const auto modes = find_block(text, lowered, "modedata", element),
                nodes = find_block(text, lowered, "nodedata", element);
