@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -83,6 +84,18 @@ void require_not_negative(double value, const std::string& of, const char* what,
   if (!(value >= 0 && std::isfinite(value)))
     throw std::invalid_argument(
         fmt::format("{}: {} has the {} {:g}; it must be at least 0", where.text(), of, what, value));
+}
+
+void require_mass(const ImportedMass& mass, const std::string& of, const Where& where) {
+  if (mass.inertia.isZero(0.0)) return require_positive(mass.mass, of, "mass", where);
+  require_not_negative(mass.mass, of, "mass", where);
+  const Eigen::Vector3d I =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(mass.inertia, Eigen::EigenvaluesOnly).eigenvalues();
+  // Figures come with five digits and more (reduce/assembly/point_mass.cpp).
+  if (!(I[0] + I[1] >= (1 - 1e-5) * I[2]))
+    throw std::invalid_argument(fmt::format(
+        "{}: {} has the principal moments of inertia {:g}, {:g}, {:g}; none may exceed the sum of the others",
+        where.text(), of, I[0], I[1], I[2]));
 }
 
 void require_section(const ImportedBar& bar, const std::string& of, const Where& where) {

@@ -48,6 +48,9 @@ void require_not_negative(double value, const std::string& of, const char* what,
 /// Area above 0; second moments, torsion constant and shear factors at least 0; I_yy I_zz >= I_yz^2.  Mass may be taken away.
 void require_section(const ImportedBar& bar, const std::string& of, const Where& where);
 
+/// A mass of at least 0, with moments of inertia where it is 0, and these of a body.
+void require_mass(const ImportedMass& mass, const std::string& of, const Where& where);
+
 /// Cards that were read over: name, count, first line.
 class Unused {
  public:

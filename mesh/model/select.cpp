@@ -203,7 +203,7 @@ static Selection select(const Context& c, const NodesRule& rule) {
     const auto found = index_of.find(label);
     if (found == index_of.end())
       throw std::invalid_argument(fmt::format("there is no node {}; the mesh has {} nodes, numbered {} to {}",
-                                              label, c.mesh.n_nodes(), index_of.begin()->first,
+                                              label, index_of.size(), index_of.begin()->first,
                                               index_of.rbegin()->first));
     if (count[label] > 1)
       throw std::invalid_argument(fmt::format(

@@ -167,9 +167,11 @@ TEST(NastranDeck, ConsistentUnitsScaleToSi) {
     return fmt::format(
         "GRID,1,,0.,0.,0.\nGRID,2,,{:.6f},0.,0.\nMAT1,1,{:.6e},,.3,{:.6e}\nPBAR,1,1,{:.9e},{:.9e},{:.9e},{:."
         "9e}\n"
-        "CBAR,1,1,1,2,0.,1.,0.\nCONM2,2,2,0,{:.6e},0.,{:.6f},0.,\n,{:.6e}\n",
+        "CBAR,1,1,1,2,0.,1.,0.\nCONM2,2,2,0,{:.6e},0.,{:.6f},0.,\n,{:.6e},,"
+        "{:.6e}\n",
         0.5 * mm, E, rho, 2e-4 * mm * mm, 3e-9 * std::pow(mm, 4), 4e-9 * std::pow(mm, 4),
-        5e-9 * std::pow(mm, 4), rho * 1e-3 * std::pow(mm, 3), 0.1 * mm, rho * 1e-6 * std::pow(mm, 5));
+        5e-9 * std::pow(mm, 4), rho * 1e-3 * std::pow(mm, 3), 0.1 * mm, rho * 1e-6 * std::pow(mm, 5),
+        rho * 1e-6 * std::pow(mm, 5));
   };
   ImportedModel model = read_text(deck(1000, 2.1e5, 7.85e-9));
   scale_to_si(model, 1e-3, 1e3, 1);
@@ -196,6 +198,15 @@ TEST(NastranDeck, NumbersThatNoStructureHasAreRefusedWithTheirLine) {
   for (const char* const t : {"-1.-3", "0.", ""})
     EXPECT_THAT(shell(t), AllOf(HasSubstr("deck.bdf, line 7: shell element 1 has the thickness"),
                                 HasSubstr("above 0")));
+  const auto mass = [&](const std::string& numbers) {
+    return refusal(grids + "PBAR,1,7,1.-3,1.-7,1.-7,1.-7\nCBAR,1,1,1,2,0.,1.,0.\nCONM2,9,2,0," + numbers +
+                   "\n");
+  };
+  EXPECT_THAT(mass("-2."), HasSubstr("deck.bdf, line 8: CONM2 9 has the mass -2; it must be above 0"));
+  EXPECT_THAT(mass("0."), HasSubstr("CONM2 9 has the mass 0"));
+  EXPECT_THAT(mass("2.,,,,\n,.01,,.01,,,1."),
+              HasSubstr("line 8: CONM2 9 has the principal moments of inertia 0.01, 0.01, 1;"));
+  EXPECT_EQ(mass("0.,,,,\n,.01,,.01,,,.02"), "(accepted)");  // a moment of inertia alone
   const auto bar = [&](const std::string& numbers) {
     return refusal(grids + "PBAR,1,7," + numbers + "\nCBAR,1,1,1,2,0.,1.,0.\n");
   };

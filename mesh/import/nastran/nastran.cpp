@@ -219,6 +219,7 @@ void NastranReader::read_masses() {
                             {-card->real(9, 0), card->real(10, 0), -card->real(12, 0)},
                             {-card->real(11, 0), -card->real(12, 0), card->real(13, 0)}};
     mass.inertia = s.R * I * s.R.transpose();
+    require_mass(mass, fmt::format("CONM2 {}", mass.label), card->where);
     deck_.model.masses.push_back(mass);
   }
 }
