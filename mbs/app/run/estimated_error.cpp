@@ -113,6 +113,15 @@ void add_switches(const mbs::PreparedMechanism& prepared, bool is_judged, std::v
           {"switch", prepared.mechanism->name_of_root(i), {}, 0.0, "the estimate is linear about the run"});
 }
 
+// Of kinematics: positions that no row holds follow from their speeds.
+bool integrates_speeds(const mbs::PreparedMechanism& prepared) {
+  if (prepared.options.method != "kinematics") return false;
+  const mbs::Mechanism& m = *prepared.mechanism;
+  for (int k = 0; k < m.sizes().n_lambda; ++k)
+    if (!m.is_holonomic(k)) return true;
+  return false;
+}
+
 std::string basis(const study::OutputEstimate& output) {
   return output.scale > output.size_rms ? output.name + "'s family, beside which it is nothing"
                                         : output.name + ", the worst output";
@@ -150,6 +159,15 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judge
                            {},
                            off,
                            fmt::format("energy balance {}; --check-integrator tells", percent(off))});
+  } else if (integrates_speeds(prepared)) {
+    out.sources.push_back(
+        {"integrator",
+         "",
+         {},
+         off,
+         fmt::format("energy balance {}; positions of driven speeds are integrated: compare "
+                     "with a smaller tolerance",
+                     percent(off))});
   }
   out.of = check && !check->output.empty() ? check->output : "an output";
   if (const study::ElementsEstimate* const e = judges.elements;

@@ -42,9 +42,8 @@ class Sequence : public Integrator {
     for (;;) {
       State next = now_;
       try {
-        move(next, h);
-        Eigen::VectorXd v_dot;
-        solve(next, v_dot);
+        Eigen::VectorXd v_dot = v_dot_;
+        advance(next, v_dot, h);
         now_ = next;
         v_dot_ = v_dot;
         break;
@@ -69,11 +68,10 @@ class Sequence : public Integrator {
       v_dot = v_dot_;
       return;
     }
-    State at = now_;
-    move(at, t - now_.t);
-    at.t = t;
-    solve(at, v_dot);
-    s = at;
+    s = now_;
+    v_dot = v_dot_;
+    advance(s, v_dot, t - now_.t);
+    s.t = t;
   }
   StepCounts counts() const override { return counts_; }
   void remember(History& history) override {
@@ -84,8 +82,12 @@ class Sequence : public Integrator {
   }
 
  protected:
-  virtual void move(State& s, double h) const = 0;  // a guess h later
+  virtual void move(State& s, const Eigen::VectorXd& v_dot, double h) const = 0;  // a guess h later
   virtual void solve(State& s, Eigen::VectorXd& v_dot) const = 0;
+  virtual void advance(State& s, Eigen::VectorXd& v_dot, double h) const {
+    move(s, v_dot, h);
+    solve(s, v_dot);
+  }
 
   const Equations& eq_;
   SolverOptions options_;
@@ -114,18 +116,46 @@ class KinematicSequence final : public Sequence {
           names.size(), names.size() == 1 ? "is" : "are", fmt::join(names, ", "),
           names.size() == 1 ? "it" : "them"));
     }
+    for (int k = 0; k < eq_.sizes().n_lambda; ++k) integrates_ = integrates_ || !eq_.is_holonomic(k);
     Sequence::start(s, v_dot);
   }
 
  protected:
-  void move(State& s, double h) const override {
-    Eigen::VectorXd d = h * s.v + 0.5 * h * h * v_dot_, p(s.p.size());
+  void move(State& s, const Eigen::VectorXd& v_dot, double h) const override {
+    Eigen::VectorXd d = h * s.v + 0.5 * h * h * v_dot, p(s.p.size());
     eq_.retract(s.p, d, p);
     s.p = p;
-    s.v += h * v_dot_;
+    s.v += h * v_dot;
     s.t += h;
   }
   void solve(State& s, Eigen::VectorXd& v_dot) const override { assemble(eq_, s, v_dot); }
+  // Positions follow from the drives but for those of drives of speed, which are integrated: by the step above, of second order, in
+  // halves until one step and two differ by the tolerance.
+  void advance(State& s, Eigen::VectorXd& v_dot, double h) const override {
+    State whole = s;
+    Eigen::VectorXd a = v_dot;
+    Sequence::advance(whole, a, h);
+    if (integrates_) {
+      State halves = s;
+      a = v_dot;
+      for (int half = 0; half < 2; ++half) Sequence::advance(halves, a, 0.5 * h);
+      double error = 0.0;
+      for (int i = 0; i < eq_.sizes().n_p; ++i)
+        error = std::max(error, std::abs(halves.p(i) - whole.p(i)) / (3.0 * eq_.position_scale(i)));
+      if (!(error <= options_.tolerance)) {
+        if (!(std::abs(h) > 1e-6 * options_.output_step))
+          throw std::runtime_error("positions of driven speeds are not found to the tolerance");
+        for (int half = 0; half < 2; ++half) advance(s, v_dot, 0.5 * h);
+        return;
+      }
+      whole = halves;
+    }
+    s = whole;
+    v_dot = a;
+  }
+
+ private:
+  bool integrates_ = false;
 };
 
 class StaticSequence final : public Sequence {
@@ -134,7 +164,7 @@ class StaticSequence final : public Sequence {
       : Sequence(eq, options, "quasi_statics") {}
 
  protected:
-  void move(State& s, double h) const override { s.t += h; }
+  void move(State& s, const Eigen::VectorXd&, double h) const override { s.t += h; }
   void solve(State& s, Eigen::VectorXd& v_dot) const override {
     solve_statics(eq_, s);
     v_dot = Eigen::VectorXd::Zero(s.v.size());

@@ -1,4 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -152,6 +153,48 @@ output_step = 0.1
   file(rod + "[solver]\nmethod = \"kinematics\"\n");
   EXPECT_EQ(flexura("simulate m.toml -o x.h5"), 2);
   EXPECT_THAT(text_of("err.txt"), AllOf(HasSubstr("hinge.speed"), HasSubstr("drive it")));
+}
+
+// However far the rows lie apart: x = 0.8 + 0.15 sin 3t, and x' = 1 - x.
+TEST_F(Sequences, KinematicsIntegratesDrivenSpeedsToTheTolerance) {
+  const auto scene = [](const char* speed, const char* step) {
+    return fmt::format(R"toml(
+gravity = [0, 0, 0]
+[ground.marker.rail]
+axis = [1, 0, 0]
+[body.b]
+mass = 1
+inertia = [1, 1, 1]
+[body.b.marker.rail]
+axis = [1, 0, 0]
+[joint.d]
+type = "prismatic"
+from = "ground.rail"
+to = "b.rail"
+position = 0.8
+drive_speed = "{}"
+[solver]
+method = "kinematics"
+tolerance = 1e-8
+end_time = 1
+output_step = {}
+[output]
+quantities = ["d.position"]
+)toml",
+                       speed, step);
+  };
+  for (const char* step : {"0.2", "0.05"})
+    for (const bool follows : {false, true}) {
+      file(scene(follows ? "1 - d.position" : "0.45*cos(3*t)", step));
+      ASSERT_EQ(flexura("simulate m.toml -o m.h5"), 0) << text_of("err.txt");
+      EXPECT_THAT(text_of("out.txt"), HasSubstr("positions of driven speeds are integrated"));
+      const results::Run run = results::read(folder_ / "m.h5").runs[0];
+      for (Eigen::Index k = 0; k < run.time.size(); ++k) {
+        const double t = run.time(k), x = follows ? 1.0 - 0.2 * std::exp(-t) : 0.8 + 0.15 * std::sin(3.0 * t);
+        // The tolerance in each of some hundred steps.
+        EXPECT_NEAR(run.values(k, 0), x, 3e-6) << t;
+      }
+    }
 }
 
 TEST_F(Sequences, QuasiStaticsFollowsAGrowingTorque) {
