@@ -79,7 +79,11 @@ void GlobalError::restart(const mbs::State& s, const VectorXd& v_dot, const mbs:
   const Clock clock(wall_);
   advance(true);
   equation_.restart(s, v_dot, kind.steps_of_error);
-  has_jumped_ = has_jumped_ || (has_stepped_ && (jumps(v_last_, s.v) || jumps(c_last_, s.c)));
+  // Steps may leave the constraints, where a restart has velocities that keep to them.
+  if (has_stepped_ && jumps(last_.v, s.v)) closer_.close(last_);
+  closes_steps_ = kind.method == mbs::Method::generalised_alpha && run_.mechanism->sizes().n_lambda > 0;
+  is_new_ = true;
+  has_jumped_ = has_jumped_ || (has_stepped_ && (jumps(last_.v, s.v) || jumps(last_.c, s.c)));
   has_stepped_ = true;
 }
 
@@ -91,10 +95,31 @@ void GlobalError::step(const mbs::Instant& begin, const std::array<mbs::Instant,
     equation_.restart(begin.state, begin.v_dot, mbs::kind_of(run_.options).steps_of_error);
     has_stepped_ = true;
   }
-  equation_.step(begin, nodes);
-  v_last_ = nodes[2].state.v;
-  c_last_ = nodes[2].state.c;
+  if (closes_steps_)
+    step_closed(begin, nodes);
+  else
+    equation_.step(begin, nodes);
+  last_ = nodes[2].state;
   advance(false);
+}
+
+void GlobalError::close(mbs::Instant& at) {
+  closer_.close(at.state);
+  closer_.accelerate(at.state, at.v_dot);
+}
+
+// The run moved onto its constraints, as its rows are, with the accelerations that belong to it.
+void GlobalError::step_closed(const mbs::Instant& begin, const std::array<mbs::Instant, 3>& nodes) {
+  if (is_new_) {
+    end_ = begin;
+    close(end_);
+    is_new_ = false;
+  }
+  begin_ = end_;
+  nodes_ = nodes;
+  close(nodes_[2]);
+  end_ = nodes_[2];
+  equation_.step(begin_, nodes_);
 }
 
 void GlobalError::advance(bool end) {

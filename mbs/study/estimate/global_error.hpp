@@ -44,6 +44,8 @@ class GlobalError {
  private:
   explicit GlobalError(const mbs::PreparedMechanism& run);
   void advance(bool end);
+  void close(mbs::Instant& at);
+  void step_closed(const mbs::Instant& begin, const std::array<mbs::Instant, 3>& nodes);
   void compare(const mbs::State& s, const Eigen::VectorXd& v_dot);
   void compare_waiting();
   /// Why an error of this size is not told; empty where it is.
@@ -60,10 +62,14 @@ class GlobalError {
   long every_ = 1, rows_ = 0, compared_ = 0;
   bool has_stepped_ = false, has_jumped_ = false, misses_part_ = false, misses_rows_ = false;
   double wall_ = 0.0;
-  Eigen::VectorXd v_last_, c_last_;
   std::vector<mbs::Instant> waiting_;  // rows whose error is not known yet
   mbs::State moved_;
   Eigen::VectorXd e_, y_, y_moved_, v_dot_moved_, squares_, sizes_;
+  mbs::State last_;  // where the last step ended
+  // Of steps that leave the constraints: what the equation is given of them.
+  bool closes_steps_ = false, is_new_ = true;
+  mbs::Instant begin_, end_;
+  std::array<mbs::Instant, 3> nodes_;
 };
 
 }  // namespace flexura::study
