@@ -101,17 +101,11 @@ std::vector<int> judged_outputs(const mbs::PreparedMechanism& run, const mbs::Me
                                 std::vector<OutputEstimate>& sums) {
   const auto infos = full.quantities();
   const bool asked = !run.file.outputs.empty();
-  // What redundant constraints leave open is no property of the motion.
-  std::set<std::string> open;
-  const auto infos_of_run = run.mechanism->quantities();
-  const std::vector<bool> is_open = run.mechanism->not_unique(run.state, run.state.p);
-  for (std::size_t i = 0; i < is_open.size(); ++i)
-    if (is_open[i]) open.insert(infos_of_run[i].name);
   std::vector<int> outputs;
   for (const std::string& name : asked ? asked_outputs(run, full) : usual_outputs(*run.mechanism)) {
     const auto found = std::ranges::find(infos, name, &mbs::OutputInfo::name);
     if (found == infos.end() || found->role == mbs::OutputRole::mode ||
-        found->role == mbs::OutputRole::place_of_stress || open.contains(name))
+        found->role == mbs::OutputRole::place_of_stress)
       continue;
     // Energies are stored for the balance; strain energy is not what a rigid body is judged by.
     if (!asked && found->role == mbs::OutputRole::energy) continue;

@@ -102,6 +102,107 @@ INSTANTIATE_TEST_SUITE_P(TwelveMechanisms, IntegratorsShare,
                                   std::get<1>(info.param).name;
                          });
 
+// Each step of generalised alpha leaves the constraints of speeds by its error, with signs that change with its length.
+constexpr const char* kFourBar = R"toml(gravity = [0, -9.81, 0]
+[ground.marker.far]
+position = [1, 0, 0]
+[body.a]
+mass = 1
+center = [0.15, 0, 0]
+inertia = [0.01, 0.01, 0.01]
+[body.a.marker.t]
+position = [0.3, 0, 0]
+[body.b]
+mass = 2
+center = [0.5, 0, 0]
+inertia = [0.2, 0.2, 0.2]
+[body.b.marker.t]
+position = [1, 0, 0]
+[body.c]
+mass = 1.5
+center = [0.4, 0, 0]
+inertia = [0.1, 0.1, 0.1]
+[body.c.marker.t]
+position = [0.8, 0, 0]
+[joint.h1]
+type = "revolute"
+from = "ground"
+to = "a"
+angle = 1.2
+speed = 8
+[joint.h2]
+type = "revolute"
+from = "a.t"
+to = "b"
+angle = -0.5
+[joint.h3]
+type = "revolute"
+from = "ground.far"
+to = "c"
+angle = 1.5
+[joint.h4]
+type = "revolute"
+from = "b.t"
+to = "c.t"
+cut = true
+[force.q]
+type = "joint_spring_damper"
+joint = "h3"
+stiffness = 3
+damping = 0.2
+rest = 1.0
+[solver]
+end_time = 0.5
+output_step = "10 ms"
+[output]
+quantities = ["h1.angle", "h1.speed", "h1.acceleration", "h4.force_x", "h4.force_y", "h3.force", "q.force"]
+)toml";
+
+TEST(IntegratorsShareOfLoops, FollowsStepsThatLeaveTheConstraints) {
+  std::mt19937 random(20261128);
+  const auto draw = [&](double least, double most) {
+    return std::uniform_real_distribution<double>(least, most)(random);
+  };
+  const Folder folder;
+  const std::filesystem::path file = folder.write("mechanism.toml", kFourBar);
+  int judged = 0;
+  for (int i = 0; i < 40; ++i) {
+    std::vector<std::string> set = {fmt::format("joint.h1.speed={}", (i % 2 == 0 ? 1 : -1) * draw(4.0, 10.0)),
+                                    fmt::format("joint.h1.angle={}", draw(0.8, 1.6)),
+                                    fmt::format("body.a.mass={}", draw(0.5, 2.0)),
+                                    fmt::format("body.b.mass={}", draw(0.5, 3.0)),
+                                    fmt::format("body.c.mass={}", draw(0.5, 3.0)),
+                                    fmt::format("force.q.stiffness={}", draw(0.0, 10.0))};
+    std::vector<std::string> exact = set;
+    exact.insert(exact.end(), {"solver.method=runge_kutta", "solver.tolerance=1e-12"});
+    set.insert(set.end(),
+               {"solver.method=generalised_alpha", fmt::format("solver.rho_inf={}", draw(0.0, 0.9)),
+                fmt::format("solver.tolerance={}", std::pow(10.0, draw(-8.0, -5.0)))});
+    SCOPED_TRACE(fmt::format("{}: {}", i, fmt::join(set, " ")));
+    const Eigen::MatrixXd truth = rows_of_run(mbs::prepare(file, exact));
+    const mbs::PreparedMechanism p = mbs::prepare(file, set);
+    const Eigen::MatrixXd rows = rows_of_run(p);
+    const auto error = GlobalError::make(p);
+    ASSERT_TRUE(error);
+    mbs::RunCallbacks callbacks;
+    error->watch(callbacks);
+    ASSERT_TRUE(mbs::run(*p.mechanism, p.state, p.v_dot, p.options, callbacks).complete);
+    const IntegratorEstimate estimate = error->estimate();
+    if (!estimate.is_whole) continue;
+    const auto which = mbs::select_quantities(*p.mechanism, p.file.outputs);
+    const auto infos = p.mechanism->quantities();
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      if (infos[static_cast<std::size_t>(which[k])].name != estimate.output) continue;
+      ++judged;
+      const auto j = static_cast<Eigen::Index>(k);
+      const double off = (rows.col(j) - truth.col(j)).norm() / truth.col(j).norm();
+      EXPECT_GT(estimate.error, 0.3 * off) << estimate.output;
+      EXPECT_LT(estimate.error, 3.0 * off) << estimate.output;
+    }
+  }
+  EXPECT_GT(judged, 32);
+}
+
 // What a run of this file at these settings tells of its integrator.
 IntegratorEstimate told(const std::string& text, const std::vector<std::string>& set) {
   const Folder folder;
