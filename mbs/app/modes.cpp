@@ -177,8 +177,13 @@ void write_page(const std::string& html, const std::string& file, const std::vec
                           .frequency_hz = mode.frequency_hz,
                           .damping = mode.damping,
                           .can_strike = is_free(analysis) && mode.omega2 > 0.0};
-      if (!mode.dof.empty()) line.kind += " " + mode.dof;
       for (std::size_t c = 0; c < 6; ++c) line.effective_mass[c] = mode.effective_mass[static_cast<int>(c)];
+      if (!mode.dof.empty()) {
+        line.kind += " " + mode.dof;
+        line.detail = fmt::format("{} {}", terminal::number(mode.stiffness, 4),
+                                  is_displacement(mode) ? "N/m" : "N m/rad");
+        line.vibrates = false;
+      }
       page.columns.col(static_cast<Eigen::Index>(page.modes.size())) = mode.u_se;
       page.modes.push_back(line);
     }

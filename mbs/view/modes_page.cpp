@@ -92,10 +92,12 @@ void write_modes_page(const std::filesystem::path& html, const superelement::Sup
     modes.push_back({{"set", mode.set},
                      {"number", mode.number},
                      {"kind", mode.kind},
-                     {"frequency", mode.frequency_hz},
-                     {"damping", mode.damping},
-                     {"effective_mass", mode.effective_mass},
+                     {"detail", mode.detail},
                      {"can_strike", mode.can_strike}});
+    if (mode.vibrates)
+      modes.back().update({{"frequency", mode.frequency_hz},
+                           {"damping", mode.damping},
+                           {"effective_mass", mode.effective_mass}});
   }
   const bool has_error = se.mesh_error && se.mesh_error->at_vertices.size() == se.surface.vertices.rows();
   if (has_error)

@@ -19,9 +19,11 @@ namespace flexura::view {
 
 /// One line of the modes page.
 struct PageMode {
-  std::string set;   ///< "free", "held: big_end"; a page shows one set at a time
-  int number = 0;    ///< as the mode table prints it
-  std::string kind;  ///< "rigid", "elastic", "constraint", ...
+  std::string set;          ///< "free", "held: big_end"; a page shows one set at a time
+  int number = 0;           ///< as the mode table prints it
+  std::string kind;         ///< "rigid", "elastic", "constraint", ...
+  std::string detail = {};  ///< more of it, for its caption; may be empty
+  bool vibrates = true;     ///< not a constraint mode, which has no frequency, damping and effective mass
   double frequency_hz = 0.0;
   double damping = 0.0;                       ///< ratio to critical
   std::array<double, 6> effective_mass = {};  ///< along x, y, z [kg], about x, y, z [kg m^2]

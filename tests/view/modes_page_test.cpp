@@ -89,7 +89,7 @@ TEST(ModesPage, HoldsTheErrorOfTheMesh) {
 TEST(ModesPage, ListsFrequenciesEffectiveMassesAndInterfaces) {
   const auto se = synthetic::tube(16, 10, 4);
   const fs::path html = scratch("list.html");
-  const ModesPage modes = synthetic::tube_modes(se);
+  ModesPage modes = synthetic::tube_modes(se);
   write_modes_page(html, se, modes);
   const PageReader page(slurp(html));
   ASSERT_EQ(page.header["modes"].size(), 4u);
@@ -97,6 +97,14 @@ TEST(ModesPage, ListsFrequenciesEffectiveMassesAndInterfaces) {
     EXPECT_EQ(page.header["modes"][k]["frequency"].get<double>(), modes.modes[k].frequency_hz);
     EXPECT_EQ(page.header["modes"][k]["effective_mass"].get<std::vector<double>>()[2],
               modes.modes[k].effective_mass[2]);
+  }
+  // A constraint mode has no frequency, and that is none of 0 Hz.
+  modes.modes[1].vibrates = false;
+  write_modes_page(html, se, modes);
+  const PageReader with_constraint(slurp(html));
+  for (const char* key : {"frequency", "damping", "effective_mass"}) {
+    EXPECT_FALSE(with_constraint.header["modes"][1].contains(key)) << key;
+    EXPECT_TRUE(with_constraint.header["modes"][2].contains(key)) << key;
   }
   EXPECT_EQ(page.header["interfaces"][1]["name"], "right end");
   EXPECT_EQ(page.header["interfaces"][1]["position"][0], synthetic::tube_length);

@@ -7,7 +7,8 @@ export interface ModeRow {
   set: string; // modes are shown one set at a time
   number: number;
   kind: string;
-  frequency: number; // [Hz]
+  detail: string; // more of it, for the caption
+  frequency: number; // [Hz]; NaN, as the next two, where it has none: a constraint mode
   damping: number; // ratio
   effective_mass: number[]; // along x, y, z [kg], about x, y, z [kg m^2]
   can_strike: boolean; // strike_modes of the part file means it by its number
@@ -41,15 +42,15 @@ export class ModeTable {
   /** whole: the body's mass (three times) and moments of inertia about its centre. */
   constructor(private readonly modes: ModeRow[], whole: number[], choose: (mode: number) => void) {
     const effective = ['x', 'y', 'z', 'rx', 'ry', 'rz'].map((name, i): Column => ({
-      name, heat: i, value: (m) => m.effective_mass[i] ?? 0, text: (m) => percent((m.effective_mass[i] ?? 0) / whole[i]),
+      name, heat: i, value: (m) => m.effective_mass[i], text: (m) => percent(m.effective_mass[i] / whole[i]),
       title: i < 3 ? `Effective mass along ${name}, percent of the body's` :
         `Effective moment of inertia about ${name[1]}, percent of the body's`,
     }));
     this.columns = [
       { name: 'No', title: 'Number', value: (m) => m.number, text: (m) => String(m.number) },
-      { name: 'Hz', title: 'Frequency [Hz]', value: (m) => m.frequency, text: (m) => figure(m.frequency, 5) },
+      { name: 'Hz', title: 'Frequency [Hz]', value: (m) => m.frequency, text: (m) => known(m.frequency, 5) },
       { name: 'Kind', title: 'Kind', value: (m) => m.kind, text: (m) => m.kind },
-      { name: 'ζ %', title: 'Damping ratio [%]', value: (m) => m.damping, text: (m) => figure(100 * m.damping, 3) },
+      { name: 'ζ %', title: 'Damping ratio [%]', value: (m) => m.damping, text: (m) => known(100 * m.damping, 3) },
       ...effective,
     ];
     this.rows = modes.map((m, i) => {
@@ -62,7 +63,7 @@ export class ModeTable {
           const part = Math.min(1, Math.abs(c.value(m) as number) / whole[c.heat]);
           if (part > 0.005) cell.style.setProperty('--heat', `${Math.round(55 * Math.sqrt(part))}%`);
           else cell.classList.add('none');
-          cell.title = `${c.title}: ${figure(m.effective_mass[c.heat] ?? 0, 4)} ${c.heat < 3 ? 'kg' : 'kg m²'}`;
+          if (!Number.isNaN(part)) cell.title = `${c.title}: ${figure(m.effective_mass[c.heat], 4)} ${c.heat < 3 ? 'kg' : 'kg m²'}`;
         }
         return cell;
       });
@@ -159,8 +160,8 @@ export class ModeTable {
     if (kept.length && [...this.out].some((i) => this.modes[i].set === this.set))
       lines.push([`modes = "${ranges(kept)}"`, 'Copy this line for a body of a mechanism file whose eigenmodes these are']);
     if (!lines.length) {
-      this.struckLine.replaceChildren(h('span', { class: 'hint' },
-        'Untick modes to strike them out of the part (those of the free body) or of a mechanism.'));
+      this.struckLine.replaceChildren(h('span', { class: 'hint' }, kept.length
+        ? 'Untick modes to strike them out of the part (those of the free body) or of a mechanism.' : ''));
       return;
     }
     this.struckLine.replaceChildren(...lines.map(([line, title]) => h('div', { title }, h('code', {}, line),
@@ -205,7 +206,7 @@ export class ModeTable {
   private csv(): string {
     const lines = this.shown.map((i) => {
       const m = this.modes[i];
-      return [`"${m.set}"`, m.number, `"${m.kind}"`, m.frequency, m.damping, ...m.effective_mass].join(',');
+      return [`"${m.set}"`, m.number, `"${m.kind}"`, ...[m.frequency, m.damping, ...m.effective_mass].map((x) => (Number.isNaN(x) ? '' : x))].join(',');
     });
     return ['set,number,kind,frequency [Hz],damping ratio,m_x [kg],m_y [kg],m_z [kg],J_x [kg m^2],J_y [kg m^2],J_z [kg m^2]',
             ...lines, ''].join('\n');
@@ -217,6 +218,11 @@ function percent(part: number): string {
   const p = 100 * part;
   if (!Number.isFinite(p)) return '';
   return p < 0.005 ? '0' : p < 9.995 ? p.toFixed(2) : p.toFixed(1);
+}
+
+/** A number, or nothing where there is none. */
+function known(value: number, digits: number): string {
+  return Number.isNaN(value) ? '' : figure(value, digits);
 }
 
 /** 1, 2, 3, 7 as "1-3, 7". */

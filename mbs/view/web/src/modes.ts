@@ -32,6 +32,12 @@ const fieldNames = ['Part', '|u|', 'along x', 'along y', 'along z', 'von Mises',
 export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<void> {
   const surface = await Surface.read(header.surface);
   const { modes } = header;
+  for (const m of modes) { // a constraint mode has none of these
+    m.frequency ??= NaN;
+    m.damping ??= NaN;
+    m.effective_mass ??= Array<number>(6).fill(NaN);
+  }
+  const hertz = (m: ModeRow) => (Number.isNaN(m.frequency) ? '' : `${figure(m.frequency, 5)} Hz`);
   const state = {
     mode: -1, pinned: -1, playing: !matchMedia('(prefers-reduced-motion: reduce)').matches, phase: 0, speed: 0.6, amplitude: 0.08, field: 1,
     cutAxis: -1, cutAt: 0.5, marked: -1,
@@ -75,8 +81,8 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
   const captions = [h('div', { class: 'caption' }), h('div', { class: 'caption right' })];
   const probe = h('div', { class: 'probe', hidden: true });
   const describe = (mode: number) => mode < 0 ? [h('strong', {}, 'Undeformed')] : [
-    h('strong', {}, `Mode ${modes[mode].number}`), h('span', {}, `${figure(modes[mode].frequency, 5)} Hz`),
-    h('span', { class: 'kind' }, [modes[mode].kind, modes[mode].set].filter((s) => s).join(', '))];
+    h('strong', {}, `Mode ${modes[mode].number}`), h('span', {}, hertz(modes[mode])),
+    h('span', { class: 'kind' }, [modes[mode].kind, modes[mode].detail, modes[mode].set].filter((s) => s).join(', '))];
 
   function refresh(): void {
     const field = state.mode < 0 && state.field !== 6 ? 0 : state.field;
@@ -222,7 +228,7 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
                                              title: `Look ${name === 'iso' ? 'from a corner' : 'from ' + name}`,
                                              onclick: () => view(name) }, name)));
   const fileName = header.title.replace(/[^\w.-]+/g, '_');
-  const nameOfMode = (m: number) => m < 0 ? header.title : `${header.title}: mode ${modes[m].number}, ${figure(modes[m].frequency, 5)} Hz`;
+  const nameOfMode = (m: number) => m < 0 ? header.title : [`${header.title}: mode ${modes[m].number}`, hertz(modes[m]) || modes[m].kind].join(', ');
   const fileOfMode = (m: number) => `${fileName}${m < 0 ? '' : `-mode${modes[m].number}`}`;
   async function savePng(): Promise<void> {
     download(`${fileOfMode(state.mode)}.png`, await stage.png(nameOfMode(state.mode), [legend]));
@@ -315,8 +321,8 @@ export async function modesPage(app: HTMLElement, header: ModesHeader): Promise<
     return best;
   }
 
-  const range = modes.length ? `${figure(Math.min(...modes.map((m) => m.frequency)), 4)} – ${
-    figure(Math.max(...modes.map((m) => m.frequency)), 4)} Hz` : 'none';
+  const frequencies = modes.map((m) => m.frequency).filter((f) => !Number.isNaN(f));
+  const range = frequencies.length ? `${figure(Math.min(...frequencies), 4)} – ${figure(Math.max(...frequencies), 4)} Hz` : 'none';
   app.replaceChildren(
     topBar(header.title, [['Mass', `${figure(header.body.mass, 4)} kg`], ['Size', lengthText(surface.size)],
                           ['Interfaces', String(header.interfaces.length)], ['Modes', `${[...new Set(modes.map((m) => m.set))].map((set) => `${modes.filter((m) => m.set === set).length} ${set.toLowerCase()}`).join(', ')}`], ['Frequencies', range]],
