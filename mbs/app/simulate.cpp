@@ -155,6 +155,13 @@ int simulate_all(SimulateArguments& arguments, const terminal::Verbosity& verbos
           : nlohmann::json();
   if (resumes) memory.from = std::make_unique<Resumption>(arguments.output, identity);
   std::vector<NamedRun> runs = prepare_runs(arguments);
+  for (const NamedRun& run : runs)
+    if (const mbs::SolverOptions& o = run.prepared.options;
+        arguments.continue_from.empty() && run.prepared.state.t > o.end_time)
+      throw std::invalid_argument(fmt::format(
+          "{}: run \"{}\" starts from a state of t = {:.6g} s, behind solver.end_time = {:.6g} s; give a "
+          "later end_time, or another time of the state",
+          arguments.file, run.name, run.prepared.state.t, o.end_time));
   if (resumes || interval > 0.0) {
     if (std::ranges::any_of(runs, [](const NamedRun& run) { return study::is_to_be_chosen(run.prepared); }))
       throw std::invalid_argument(

@@ -3,10 +3,26 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
+
 #include "mbs/base/documents/shown_text.hpp"
 #include "mbs/formulas/parameters.hpp"
 
 namespace flexura::mbs {
+namespace {
+
+// A quantity with its kind, or a plain number by a formula.  Throws std::invalid_argument.
+input::Measured value_of(const std::string& text, const input::FormulaEvaluator& formula) {
+  if (const auto measured = input::try_parse_measured(text)) return *measured;
+  // "12 mn" is a misspelt unit.
+  const auto first = text.find_first_not_of(" \t+-.");
+  const bool is_number = first != std::string::npos && std::isdigit(static_cast<unsigned char>(text[first]));
+  if (!is_number || text.find_first_of("*/+-^(", first + 1) != std::string::npos)
+    if (const auto computed = formula(text)) return {.value = *computed};
+  return {.value = input::parse_quantity(text, input::dim::none)};
+}
+
+}  // namespace
 
 input::TableSchema state_schema() {
   namespace in = input;
@@ -55,14 +71,7 @@ std::vector<StateSet> read_state_sets(const input::Section& root) {
     for (const auto& [state, text] : s.formulas("values")) {
       StateSet::Value value{state, {}, s.where("values") + "." + state};
       try {
-        if (const auto measured = input::try_parse_measured(text)) {
-          value.value = *measured;
-        } else if (const auto computed = formula(text)) {
-          value.value.value = *computed;
-        } else {
-          throw std::invalid_argument(
-              "is neither a number, a quantity nor a formula of parameters; correct it");
-        }
+        value.value = value_of(text, formula);
       } catch (const std::invalid_argument& trouble) {
         throw input::InputError(value.where + " = \"" + input::shown_text(text) + "\": " + trouble.what());
       }

@@ -157,6 +157,7 @@ TEST_F(StateSets, WhatMeansNothingIsRefused) {
                 "flexura assemble lists, did you mean \"hinge.angle\"?"},
                {"values.hinge.angle = \"3 mm\"", "is a length, an angle is wanted"},
                {"values.hinge.angle = \"haf*2\"", "haf"},
+               {"values.hinge.angle = \"2 grad\"", "has the unknown unit \"grad\""},
                {"values.hinge.angle = \"inf\"", "state.a.values.hinge.angle"},
                {"values.hinge.angle = nan", "state.a.values.hinge.angle"},
                {"file = \"none.json\"", "none.json: there is no such file"},
@@ -166,6 +167,10 @@ TEST_F(StateSets, WhatMeansNothingIsRefused) {
     EXPECT_EQ(flexura("assemble m.toml --state a"), 2) << w.set;
     EXPECT_THAT(text_of("err.txt"), HasSubstr(w.says));
   }
+  // A run of no time at all.
+  file(begin + "time = 2\nzero = true\n" + short_run);
+  EXPECT_EQ(flexura("simulate m.toml -o o.h5 --state a"), 2);
+  EXPECT_THAT(text_of("err.txt"), HasSubstr("starts from a state of t = 2 s, behind solver.end_time = 1 s"));
   file(begin + "zero = true\n[run.r]\nstate = \"b\"\n" + short_run);
   EXPECT_EQ(flexura("assemble m.toml"), 2);
   EXPECT_THAT(text_of("err.txt"), HasSubstr("run.r.state = \"b\": there is no [state.NAME] of this name"));
