@@ -143,11 +143,12 @@ class Preparation {
     const MatrixXd shares = (Phi.transpose() * se_.M_se * r).cwiseAbs2();
     const VectorXd all = shares.colwise().sum();
     VectorXd held = VectorXd::Zero(all.size());
-    // A direction in which the interior does not resist is round-off of the others.
-    constexpr double kNothing = 1e-12;
+    // Of a direction in which no mode resists the shares are round-off of the body's own mass or inertia.
+    constexpr double kRoundOff = 1e-12;
+    const VectorXd nothing = kRoundOff * (r.transpose() * se_.M_se * r).diagonal();
     int count = 0;
     for (; count < shares.rows(); ++count) {
-      if (((held - share * all).array() >= -kNothing * all.maxCoeff()).all()) break;
+      if (((held - share * all).array() >= -nothing.array()).all()) break;
       held += shares.row(count).transpose();
     }
     return count;
@@ -321,11 +322,12 @@ std::vector<int> chosen_modes(Preparation& steps, const ModeSet& eigenmodes, con
   while (strainless < available && eigenmodes.omega2(strainless) == 0.0) ++strainless;
   std::vector<int> chosen(static_cast<std::size_t>(strainless));
   std::iota(chosen.begin(), chosen.end(), 0);
-  if (!options.numbers.empty() && options.numbers.back() > available - strainless)
-    throw BasisError(
-        "modes", fmt::format("there is no eigenmode {}: the body has {} under its boundary condition; name "
-                             "some of these",
-                             options.numbers.back(), available - strainless));
+  for (const int number : options.numbers)
+    if (number < 1 || number > available - strainless)
+      throw BasisError(
+          "modes", fmt::format("there is no eigenmode {}: the body has {} under its boundary condition; name "
+                               "some of these",
+                               number, available - strainless));
   if (options.effective_mass > 0.0 && options.held.cols() == 0)
     throw BasisError(
         "effective_mass",
@@ -337,7 +339,7 @@ std::vector<int> chosen_modes(Preparation& steps, const ModeSet& eigenmodes, con
           : options.modes;
   for (int i = strainless; i < available; ++i) {
     const bool is_wanted =
-        options.numbers.empty() ? i < most : std::ranges::binary_search(options.numbers, i - strainless + 1);
+        options.numbers.empty() ? i < most : std::ranges::count(options.numbers, i - strainless + 1) > 0;
     if (is_wanted && hz(eigenmodes.omega2(i)) <= options.max_frequency) chosen.push_back(i);
   }
   return chosen;

@@ -37,7 +37,7 @@ class PreparationCache;
 
 struct BasisOptions {
   int modes = std::numeric_limits<int>::max();  ///< eigenmodes: at most so many, lowest first
-  std::vector<int> numbers = {};  ///< eigenmodes with strain by their numbers from 1, instead; ascending
+  std::vector<int> numbers = {};  ///< eigenmodes with strain by their numbers from 1, instead, in any order
   /// Eigenmodes until they hold this share of what all have of the mass and inertia in every held direction; 0: no bound.
   double effective_mass = 0.0;
   double max_frequency = std::numeric_limits<double>::infinity();  ///< [Hz], eigenmodes: none above

@@ -112,9 +112,13 @@ double LoopCloser::independence_of(const SaddleSolver& saddle) const {
 // By factors of its own: loops close better by those from before a dead point. Positions are sums of some terms of the mechanism's
 // size.
 void LoopCloser::note_doubt(const State& s, bool is_shown) {
-  eq_.mass_matrix(s.p, *scratch_, M_);
-  eq_.constraint_matrix(s, s.p, *scratch_, G_);
-  beside_.factor(eq_, M_, G_);
+  try {
+    eq_.mass_matrix(s.p, *scratch_, M_);
+    eq_.constraint_matrix(s, s.p, *scratch_, G_);
+    beside_.factor(eq_, M_, G_);
+  } catch (const std::runtime_error&) {
+    return;  // no mass matrix there: the integrator will say so
+  }
   const double independence = independence_of(beside_),
                open =
                    std::max(4.0 * std::numeric_limits<double>::epsilon(), kRoundOff * residuals(s).position),
