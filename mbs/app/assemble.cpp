@@ -40,7 +40,7 @@ nlohmann::json to_json(const NamedRun& run) {
   json &dynamic = out["dynamic"] = json::array(), &algebraic = out["algebraic"] = json::array(),
        &switches = out["switches"] = json::array();
   for (int i = 0; i < n.n_dyn; ++i)
-    dynamic.push_back({{"name", m.name_of_dynamic(i)}, {"value", p.state.c(i)}});
+    dynamic.push_back({{"name", m.name_of_dynamic(i)}, {"value", p.state.c(i)}, {"is_held", m.is_held(i)}});
   for (int i = 0; i < n.n_alg; ++i)
     algebraic.push_back({{"name", m.name_of_algebraic(i)}, {"value", p.state.a(i)}});
   for (int i = 0; i < std::min(n.n_root, static_cast<int>(p.state.root.size())); ++i)
@@ -89,7 +89,8 @@ int print_assembled(const Arguments& arguments, const terminal::Verbosity& verbo
       const mbs::Mechanism& m = *p.mechanism;
       terminal::Table others({{"state", Align::left}, {"kind", Align::left}, {"value"}});
       for (int i = 0; i < n.n_dyn; ++i)
-        others.add_row({text.other_name(m.name_of_dynamic(i)), "dynamic", number(p.state.c(i), 9)});
+        others.add_row({text.other_name(m.name_of_dynamic(i)), m.is_held(i) ? "held" : "dynamic",
+                        number(p.state.c(i), 9)});
       for (int i = 0; i < n.n_alg; ++i)
         others.add_row({text.other_name(m.name_of_algebraic(i)), "algebraic", number(p.state.a(i), 9)});
       for (int i = 0; i < std::min(n.n_root, static_cast<int>(p.state.root.size())); ++i)

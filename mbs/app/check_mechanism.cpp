@@ -19,6 +19,7 @@ nlohmann::json to_json(const NamedRun& run) {
   const mbs::Mechanism& m = *p.mechanism;
   const mbs::MechanismDescription& d = m.description();
   const mbs::Sizes n = m.sizes();
+  const int n_dyn = n.n_dyn - n.n_held;
   json joints = json::array(), states = json::array(), redundant = json::array();
   for (std::size_t j = 0; j < d.joints.size(); ++j) {
     joints.push_back({{"name", d.joints[j].name},
@@ -29,7 +30,8 @@ nlohmann::json to_json(const NamedRun& run) {
   for (int i = 0; i < n.n_v; ++i)
     states.push_back({{"name", m.name_of_velocity(i)}, {"velocity", p.state.v(i)}});
   json others = json::array();
-  for (int i = 0; i < n.n_dyn; ++i) others.push_back({{"name", m.name_of_dynamic(i)}, {"kind", "dynamic"}});
+  for (int i = 0; i < n.n_dyn; ++i)
+    others.push_back({{"name", m.name_of_dynamic(i)}, {"kind", m.is_held(i) ? "held" : "dynamic"}});
   for (int i = 0; i < n.n_lambda; ++i)
     others.push_back({{"name", m.name_of_constraint(i)}, {"kind", "constraint force"}});
   for (int i = 0; i < n.n_alg; ++i)
@@ -40,11 +42,12 @@ nlohmann::json to_json(const NamedRun& run) {
   json out = run_json(run);
   out.update({{"n_jnt", n.n_v - n.n_flx},
               {"n_flx", n.n_flx},
-              {"n_dyn", n.n_dyn},
+              {"n_dyn", n_dyn},
+              {"n_held", n.n_held},
               {"n_alg", n.n_alg},
               {"n_lambda", n.n_lambda},
-              {"n_dof", n.n_v + n.n_dyn - n.n_lambda},
-              {"n_eq", 2 * n.n_v + n.n_dyn + n.n_alg + n.n_lambda},
+              {"n_dof", n.n_v + n_dyn - n.n_lambda},
+              {"n_eq", 2 * n.n_v + n_dyn + n.n_alg + n.n_lambda},
               {"switches", n.n_root},
               {"joints", joints},
               {"states", states},
@@ -72,19 +75,20 @@ int check_mechanism(const MechanismArguments& arguments, bool json, const termin
     const mbs::Sizes n = m.sizes();
     fmt::print("{}\n\n", heading(run));
     terminal::Table counts({{"count", terminal::Align::left}, {"value"}});
-    const int n_jnt = n.n_v - n.n_flx;
+    const int n_jnt = n.n_v - n.n_flx, n_dyn = n.n_dyn - n.n_held;
     counts.add_row({"joint coordinates n_jnt", fmt::format("{}", n_jnt)});
     counts.add_row({"modal coordinates n_flx", fmt::format("{}", n.n_flx)});
-    counts.add_row({"dynamic states n_dyn", fmt::format("{}", n.n_dyn)});
+    counts.add_row({"dynamic states n_dyn", fmt::format("{}", n_dyn)});
+    if (n.n_held > 0) counts.add_row({"held values", fmt::format("{}", n.n_held)});
     counts.add_row({"algebraic states n_alg", fmt::format("{}", n.n_alg)});
     counts.add_row({"independent constraints n_lambda", fmt::format("{}", n.n_lambda)});
     counts.add_row({"redundant constraints", fmt::format("{}", p.redundant.size())});
     counts.add_row({"switches", fmt::format("{}", n.n_root)});
     counts.add_row({"redundant orientation parameters", fmt::format("{}", n.n_p - n.n_v)});
     counts.add_row(
-        {"n_DOF = n_jnt + n_flx + n_dyn - n_lambda", fmt::format("{}", n.n_v + n.n_dyn - n.n_lambda)});
+        {"n_DOF = n_jnt + n_flx + n_dyn - n_lambda", fmt::format("{}", n.n_v + n_dyn - n.n_lambda)});
     counts.add_row({"n_Eq = 2 (n_jnt + n_flx) + n_dyn + n_alg + n_lambda",
-                    fmt::format("{}", 2 * n.n_v + n.n_dyn + n.n_alg + n.n_lambda)});
+                    fmt::format("{}", 2 * n.n_v + n_dyn + n.n_alg + n.n_lambda)});
     fmt::print("{}\n", counts.text(terminal::width(stdout), colour));
     terminal::Table joints({{"joint", terminal::Align::left},
                             {"type", terminal::Align::left},
@@ -123,7 +127,8 @@ int check_mechanism(const MechanismArguments& arguments, bool json, const termin
     if (n.n_dyn + n.n_lambda + n.n_alg + n.n_root > 0) {
       terminal::Table others({{"state", terminal::Align::left}, {"kind", terminal::Align::left}, {"value"}});
       for (int i = 0; i < n.n_dyn; ++i)
-        others.add_row({text.other_name(m.name_of_dynamic(i)), "dynamic", terminal::number(p.state.c(i), 7)});
+        others.add_row({text.other_name(m.name_of_dynamic(i)), m.is_held(i) ? "held" : "dynamic",
+                        terminal::number(p.state.c(i), 7)});
       for (int i = 0; i < n.n_lambda; ++i)
         others.add_row({text.multiplier_name(i), "constraint force", text.multiplier(i, 7)});
       for (int i = 0; i < n.n_alg; ++i)

@@ -30,6 +30,8 @@ class Control {
   virtual std::string_view type() const = 0;
 
   virtual int n_states() const = 0;
+  /// True of a state that is no dynamic one but a held value: it changes where the control switches and nowhere else.
+  virtual bool is_held(int /*state*/) const { return false; }
   virtual void start(double* c) const = 0;  ///< initial values of the states
   virtual void rates(const double* signals, const double* c, double* c_rate) const = 0;
   /// `signals` is for those that feed through; the others must not read it.

@@ -17,7 +17,8 @@ class Relay final : public Control {
   Relay(std::string name, std::shared_ptr<const Expression> in, const Levels& levels)
       : Control(std::move(name)), input_(std::move(in)), levels_(levels) {}
   std::string_view type() const override { return "relay"; }
-  int n_states() const override { return 1; }  // 1: on; constant between switches
+  int n_states() const override { return 1; }  // 1: on
+  bool is_held(int) const override { return true; }
   void start(double* c) const override { c[0] = levels_.starts_on ? 1.0 : 0.0; }
   void rates(const double*, const double*, double* c_rate) const override { c_rate[0] = 0.0; }
   double output(const double*, const double* c) const override { return is_on(c) ? levels_.on : levels_.off; }

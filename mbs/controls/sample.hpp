@@ -17,6 +17,7 @@ class Sample : public Control {
       : Control(std::move(name)), input_(std::move(in)), period_(period), start_(start) {}
   std::string_view type() const override { return "sample"; }
   int n_states() const override { return 2; }
+  bool is_held(int) const override { return true; }
   void start(double* c) const override {
     c[0] = 0.0;
     c[1] = start_;
@@ -62,6 +63,7 @@ class Sample : public Control {
 class SampleAsLag final : public Sample {
  public:
   explicit SampleAsLag(const Sample& sample) : Sample(sample) {}
+  bool is_held(int state) const override { return state == 1; }
   void rates(const double* signals, const double* c, double* c_rate) const override {
     c_rate[0] = (input().evaluate(signals) - c[0]) / (0.5 * period());
     c_rate[1] = 0.0;

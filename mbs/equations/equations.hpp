@@ -39,7 +39,8 @@ struct Sizes {
   int n_p = 0;       ///< position coordinates, quaternion components counted
   int n_v = 0;       ///< velocity coordinates = n_jnt + n_flx
   int n_flx = 0;     ///< modal coordinates among them
-  int n_dyn = 0;     ///< dynamic states c
+  int n_dyn = 0;     ///< dynamic states c, held values among them
+  int n_held = 0;    ///< entries of c that change at events alone: no dynamic states
   int n_lambda = 0;  ///< constraint equations (all that are kept: redundant ones already left out)
   int n_alg = 0;     ///< algebraic states a
   int n_root = 0;    ///< switching functions

@@ -354,7 +354,7 @@ void Reader::read_elements() {
   // Outputs of states alone can be read by every formula, measures by those below, the rest by forces.
   const auto controls = root_.table_map("control");
   for (const auto& [name, s] : controls)
-    if (!find_type(control_types(), s.text("type")).feeds_through) take_name(name, s);
+    if (!find_type(control_types(), s.text("type")).feeds_through(s)) take_name(name, s);
   std::vector<std::pair<std::size_t, std::size_t>> last;  // places in d.measures and here
   const auto measures = root_.table_map("measure");
   for (std::size_t i = 0; i < measures.size(); ++i) {
@@ -363,13 +363,15 @@ void Reader::read_elements() {
     // What it takes of elements below is there only after these.
     if (type.is_read_last) last.emplace_back(d.measures.size(), i);
     d.measures.push_back(type.is_read_last ? nullptr : type.read(prefix_ + name, s, names));
+    note_user_element(prefix_ + name, s);
     take_name(name, s);
   }
   for (const auto& [name, s] : controls) {
     const ControlType& type = find_type(control_types(), s.text("type"));
     d.controls.push_back(type.read(prefix_ + name, s, names));
     take_unit(name, s);
-    if (type.feeds_through) take_name(name, s);
+    note_user_element(prefix_ + name, s);
+    if (type.feeds_through(s)) take_name(name, s);
   }
   // What moves by controls.
   for (const auto& [name, s] : root_.table_map("constraint")) {

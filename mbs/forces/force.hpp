@@ -24,7 +24,9 @@ struct Powers {
 /// States of an element's own, found in Kinematics::own wherever the element is evaluated on velocity level.
 class HasStates {
  public:
-  virtual int n_states() const { return 0; }  ///< dynamic
+  virtual int n_states() const { return 0; }  ///< dynamic states and held values
+  /// True of a state that is no dynamic one but a held value: it changes where the element switches and nowhere else.
+  virtual bool is_held(int /*state*/) const { return false; }
   virtual int n_switches() const { return 0; }
   virtual std::string switch_name(int i) const { return "switch_" + std::to_string(i + 1); }
   /// False where what the element exerts is the same on both sides of the switch.

@@ -35,6 +35,7 @@ Sizes Mechanism::sizes() const {
   sizes.n_v = m_->tree.n_v;
   sizes.n_flx = m_->tree.n_flx;
   sizes.n_dyn = m_->tree.n_dyn;
+  for (int i = 0; i < sizes.n_dyn; ++i) sizes.n_held += is_held(i);
   sizes.n_lambda = static_cast<int>(m_->rows.kept().size());
   sizes.n_root = m_->states.n_switches();
   sizes.n_alg = m_->n_algebraic();
@@ -131,6 +132,9 @@ std::string Mechanism::name_of_position(int i) const {
 }
 std::string Mechanism::name_of_velocity(int i) const {
   return m_->coordinates.name_of_velocity(i);
+}
+bool Mechanism::is_held(int i) const {
+  return i < m_->tree.n_own && m_->states.is_held(i);
 }
 std::string Mechanism::name_of_dynamic(int i) const {
   return i < m_->tree.n_own ? m_->states.name_of_state(i) : m_->coordinates.name_of_following(i);

@@ -92,6 +92,8 @@ class Mechanism final : public Equations {
   std::string name_of_position(int i) const override;
   std::string name_of_velocity(int i) const override;
   std::string name_of_dynamic(int i) const override;
+  /// Whether entry i of c is a held value (Sizes::n_held).
+  bool is_held(int i) const;
   std::string name_of_constraint(int i) const override;
   std::string name_of_algebraic(int i) const override;
   std::string name_of_root(int i) const override;

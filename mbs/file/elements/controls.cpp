@@ -10,6 +10,7 @@
 #include "mbs/controls/state.hpp"
 #include "mbs/controls/transfer_function.hpp"
 #include "mbs/file/elements/element_types.hpp"
+#include "mbs/file/elements/user_library.hpp"
 
 /// Controls in a mechanism file.
 namespace flexura::mbs {
@@ -54,7 +55,7 @@ ControlType pid() {
       "filter starts at an error of 0: an error of e at the start is a jump, which the derivative answers "
       "with "
       "derivative * e / filter_time at first. Let the target start where the joint stands, or give limits.";
-  type.feeds_through = true;
+  type.feeds_through = [](const input::Section&) { return true; };
   type.keys = {expression("error", "target minus measured value").required(),
                expression("proportional", "gain, output per error").or_default("0"),
                expression("integral", "gain, output per integral of the error").or_default("0"),
@@ -185,8 +186,8 @@ ControlType sample() {
 }  // namespace
 
 const std::vector<ControlType>& control_types() {
-  static const std::vector<ControlType> types = {state(), filter(), pid(),       transfer_function(),
-                                                 delay(), relay(),  algebraic(), sample()};
+  static const std::vector<ControlType> types = {state(), filter(),    pid(),    transfer_function(), delay(),
+                                                 relay(), algebraic(), sample(), user_control()};
   return types;
 }
 

@@ -54,8 +54,8 @@ using ForceType = ElementType<ForceElement>;
 using MeasureType = ElementType<Measure>;
 using ConstraintType = ElementType<Constraint>;
 struct ControlType : ElementType<Control> {
-  bool feeds_through =
-      false;  ///< as the element says: its output can be read by later controls and forces only
+  /// As the element says: its output can be read by later controls and forces only.
+  bool (*feeds_through)(const input::Section&) = [](const input::Section&) { return false; };
 };
 
 /// The type with the names by which other programs know it.

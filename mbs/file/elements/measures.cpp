@@ -2,6 +2,7 @@
 #include "mbs/base/math/rotation_sequences.hpp"
 #include "mbs/file/elements/element_types.hpp"
 #include "mbs/file/elements/read_reaction.hpp"
+#include "mbs/file/elements/user_library.hpp"
 #include "mbs/measures/acceleration.hpp"
 #include "mbs/measures/expression_measure.hpp"
 #include "mbs/measures/load_cell.hpp"
@@ -170,7 +171,8 @@ const std::vector<MeasureType>& measure_types() {
       also_called(load_cell(), {"force_sensor"}),
       reaction_type(),
       also_called(surface_distance(), {"clearance"}),
-      also_called(expression(), {"formula"})};
+      also_called(expression(), {"formula"}),
+      user_measure()};
   return types;
 }
 

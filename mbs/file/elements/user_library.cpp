@@ -92,12 +92,19 @@ std::vector<input::Key> common_keys() {
       formulas("values", "numbers for it: each a number, a quantity or a formula of parameters")};
 }
 
+input::Key key_of_markers() {
+  return input::texts("markers", "markers that it sits on, in its order");
+}
+input::Key key_of_inputs() {
+  return input::texts("inputs", "formulas that it reads");
+}
+
 std::vector<input::Key> keys_on_markers() {
   std::vector<input::Key> keys = common_keys();
-  keys.push_back(input::texts("markers", "markers that it sits on, in its order"));
+  keys.push_back(key_of_markers());
   keys.push_back(
       input::texts("joints", "joint coordinates that it acts on, \"joint\" or \"joint.coordinate\""));
-  keys.push_back(input::texts("inputs", "formulas that it reads"));
+  keys.push_back(key_of_inputs());
   return keys;
 }
 
@@ -109,14 +116,22 @@ UserArguments common_arguments(const std::string& name, const Section& s, const 
   return arguments;
 }
 
-UserArguments arguments_of(const std::string& name, const Section& s, const ReadContext& c) {
-  UserArguments arguments = common_arguments(name, s, c);
+void read_markers(const Section& s, const ReadContext& c, UserArguments& arguments) {
   for (const std::string& marker : s.texts("markers"))
     arguments.markers.push_back(c.marker_of(s, "markers", marker));
-  for (const std::string& joint : s.texts("joints"))
-    arguments.joints.push_back(c.coordinate(s, "joints", joint));
+}
+
+void read_inputs(const Section& s, const ReadContext& c, UserArguments& arguments) {
   for (const std::string& formula : s.texts("inputs"))
     arguments.inputs.push_back(c.expression_of(s, "inputs", formula));
+}
+
+UserArguments arguments_of(const std::string& name, const Section& s, const ReadContext& c) {
+  UserArguments arguments = common_arguments(name, s, c);
+  read_markers(s, c, arguments);
+  for (const std::string& joint : s.texts("joints"))
+    arguments.joints.push_back(c.coordinate(s, "joints", joint));
+  read_inputs(s, c, arguments);
   return arguments;
 }
 
@@ -144,6 +159,49 @@ ConstraintType user_constraint() {
             const Library library(s);
             return library.make(library.elements().constraints, "constraint", s, arguments_of(name, s, c));
           }};
+}
+
+ControlType user_control() {
+  ControlType type;
+  type.name = "user";
+  type.doc = "A control of your own, out of a shared library in C++.";
+  type.keys = common_keys();
+  type.keys.push_back(key_of_inputs());
+  type.feeds_through = [](const Section& s) {
+    const UserElements& elements = Library(s).elements();
+    return elements.direct_controls.contains(s.text("element"));
+  };
+  type.read = [](const std::string& name, const Section& s, const ReadContext& c) {
+    const Library library(s);
+    UserArguments arguments = common_arguments(name, s, c);
+    read_inputs(s, c, arguments);
+    const bool direct = library.elements().direct_controls.contains(s.text("element"));
+    std::shared_ptr<const Control> control = library.make(
+        direct ? library.elements().direct_controls : library.elements().controls, "control", s, arguments);
+    if (control->feeds_through() != direct)
+      s.refuse("element", direct ? "stands in direct_controls of its library and does not feed through"
+                                 : "feeds through and does not stand in direct_controls of its library");
+    return control;
+  };
+  return type;
+}
+
+MeasureType user_measure() {
+  MeasureType type;
+  type.name = "user";
+  type.doc = "A measure of your own, out of a shared library in C++.";
+  type.keys = common_keys();
+  type.keys.push_back(key_of_markers());
+  type.keys.push_back(key_of_inputs());
+  type.gives = {{"", "that of its dimension()", ""}};
+  type.read = [](const std::string& name, const Section& s, const ReadContext& c) {
+    const Library library(s);
+    UserArguments arguments = common_arguments(name, s, c);
+    read_markers(s, c, arguments);
+    read_inputs(s, c, arguments);
+    return library.make(library.elements().measures, "measure", s, arguments);
+  };
+  return type;
 }
 
 std::vector<input::Key> user_joint_keys() {

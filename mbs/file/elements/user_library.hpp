@@ -9,6 +9,8 @@ namespace flexura::mbs {
 
 ForceType user_force();
 ConstraintType user_constraint();
+ControlType user_control();
+MeasureType user_measure();
 
 /// type = "user" among the joints: its keys, and its maker.  A library is loaded as long as an element of it
 /// lives.

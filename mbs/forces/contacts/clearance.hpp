@@ -46,6 +46,7 @@ class Clearance final : public ForceElement, public HasRobotWords {
         .coordinate = terms_[0].coordinate, .lower = lower_, .upper = upper_, .stiffness = law_.stiffness()};
   }
   int n_states() const override { return 2 * law_.n_states(); }
+  bool is_held(int) const override { return true; }
   int n_switches() const override { return 2 * ContactLaw::n_switches; }
   std::string switch_name(int i) const override {
     static const char* names[] = {"lower_gap", "lower_push", "upper_gap", "upper_push"};

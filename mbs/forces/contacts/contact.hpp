@@ -99,6 +99,7 @@ class Contact final : public ForceElement, public HasPicture {
     return picture;
   }
   int n_states() const override { return law_.n_states(); }
+  bool is_held(int) const override { return true; }
   int n_switches() const override { return ContactLaw::n_switches; }
   std::string switch_name(int i) const override { return i == 0 ? "gap" : "push"; }
   bool jumps_at(int which) const override { return ContactLaw::jumps_at(which); }

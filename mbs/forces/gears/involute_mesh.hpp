@@ -24,6 +24,7 @@ class InvoluteMesh final : public ForceElement {
   ForceNature nature() const override { return ForceNature::response; }
   std::pair<int, int> markers() const override { return {F_, M_}; }
   int n_states() const override { return 2 * law_.n_states(); }
+  bool is_held(int) const override { return true; }
   int n_switches() const override { return 2 * ContactLaw::n_switches; }
   std::string switch_name(int i) const override;
   bool jumps_at(int which) const override { return ContactLaw::jumps_at(which % ContactLaw::n_switches); }

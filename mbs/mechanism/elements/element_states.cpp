@@ -372,6 +372,16 @@ std::string ElementStates::name_of_state(int i) const {
   return fmt::format("{}.state_{}", control.name(), i - first_state_[k] + 1);
 }
 
+bool ElementStates::is_held(int i) const {
+  std::size_t k = 0;
+  if (i < first_state_.back()) {
+    while (first_state_[k + 1] <= i) ++k;
+    return tree_.d.controls[k]->is_held(i - first_state_[k]);
+  }
+  while (first_force_state_[k + 1] <= i) ++k;
+  return tree_.d.forces[k]->is_held(i - first_force_state_[k]);
+}
+
 std::string ElementStates::name_of_force_state(int i) const {
   std::size_t k = 0;
   while (first_force_state_[k + 1] <= i) ++k;

@@ -91,6 +91,7 @@ class ElementStates {
   std::string name_of_root(int i) const;
   /// Of the states of controls and forces.
   std::string name_of_state(int i) const;
+  bool is_held(int i) const;
   /// All switches off, states and algebraic states where their elements start them.
   void start(State& s, int n_contacts) const;
 

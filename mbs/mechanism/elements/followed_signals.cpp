@@ -42,6 +42,10 @@ void FollowedSignals::check(const Follower& follower) const {
   const auto refuse = [&](const std::string& why, const std::string& remedy) {
     throw std::invalid_argument(fmt::format("{} = \"{}\": {}; {}", f.where(), f.text(), why, remedy));
   };
+  for (const int place : list)
+    if (const Control* const control = algebraic(place); control && !control->equation())
+      refuse(fmt::format("\"{}\" is an algebraic state without a formula", tree_.d.signals.names()[place]),
+             "put a control of type filter between");
   const bool of_position = follower.what.level == DriveLevel::position;
   if (of_position) {
     for (const int node : f.conditions())
