@@ -22,6 +22,14 @@ struct Arguments : MechanismArguments {
   bool json = false;
 };
 
+// Positive while their switches stay where they are (n_root).
+Eigen::VectorXd switching_functions(const mbs::PreparedMechanism& p) {
+  Eigen::VectorXd values(p.mechanism->sizes().n_root);
+  const auto scratch = p.mechanism->make_scratch();
+  p.mechanism->roots(p.state, *scratch, values);
+  return values;
+}
+
 nlohmann::json to_json(const NamedRun& run) {
   using nlohmann::json;
   const mbs::PreparedMechanism& p = run.prepared;
@@ -43,8 +51,11 @@ nlohmann::json to_json(const NamedRun& run) {
     dynamic.push_back({{"name", m.name_of_dynamic(i)}, {"value", p.state.c(i)}, {"is_held", m.is_held(i)}});
   for (int i = 0; i < n.n_alg; ++i)
     algebraic.push_back({{"name", m.name_of_algebraic(i)}, {"value", p.state.a(i)}});
-  for (int i = 0; i < std::min(n.n_root, static_cast<int>(p.state.root.size())); ++i)
-    switches.push_back({{"name", m.name_of_root(i)}, {"value", p.state.root[static_cast<std::size_t>(i)]}});
+  const Eigen::VectorXd functions = switching_functions(p);
+  for (int i = 0; i < n.n_root; ++i)
+    switches.push_back({{"name", m.name_of_root(i)},
+                        {"value", p.state.root[static_cast<std::size_t>(i)]},
+                        {"function", functions(i)}});
   out["iterations"] = p.assembly.iterations;
   out["position_residual"] = p.assembly.position_residual;
   out["velocity_residual"] = p.assembly.velocity_residual;
@@ -85,7 +96,7 @@ int print_assembled(const Arguments& arguments, const terminal::Verbosity& verbo
         multipliers.add_row({text.multiplier_name(i), text.multiplier(i, 9)});
       fmt::print("{}\n", multipliers.text(terminal::width(stdout), colour));
     }
-    if (n.n_dyn + n.n_alg + n.n_root > 0) {
+    if (n.n_dyn + n.n_alg > 0) {
       const mbs::Mechanism& m = *p.mechanism;
       terminal::Table others({{"state", Align::left}, {"kind", Align::left}, {"value"}});
       for (int i = 0; i < n.n_dyn; ++i)
@@ -93,10 +104,16 @@ int print_assembled(const Arguments& arguments, const terminal::Verbosity& verbo
                         number(p.state.c(i), 9)});
       for (int i = 0; i < n.n_alg; ++i)
         others.add_row({text.other_name(m.name_of_algebraic(i)), "algebraic", number(p.state.a(i), 9)});
-      for (int i = 0; i < std::min(n.n_root, static_cast<int>(p.state.root.size())); ++i)
-        others.add_row(
-            {m.name_of_root(i), "switch", fmt::format("{}", p.state.root[static_cast<std::size_t>(i)])});
       fmt::print("{}\n", others.text(terminal::width(stdout), colour));
+    }
+    if (n.n_root > 0) {
+      terminal::Table switches({{"switch", Align::left}, {"position"}, {"switching function"}});
+      const Eigen::VectorXd functions = switching_functions(p);
+      for (int i = 0; i < n.n_root; ++i)
+        switches.add_row({p.mechanism->name_of_root(i),
+                          fmt::format("{}", p.state.root[static_cast<std::size_t>(i)]),
+                          number(functions(i), 9)});
+      fmt::print("{}\n", switches.text(terminal::width(stdout), colour));
     }
     fmt::print("assembled in {} steps; residuals {} (position), {} (velocity)\n", p.assembly.iterations,
                number(p.assembly.position_residual, 2), number(p.assembly.velocity_residual, 2));

@@ -127,6 +127,8 @@ input = "t - 1"
       EXPECT_EQ(one["value"], state[kind][one["name"].get<std::string>()]) << one["name"];
   }
   ASSERT_EQ(run["switches"].size(), state["switches"].size());
+  EXPECT_EQ(run["switches"].back()["name"], "open.level");
+  EXPECT_DOUBLE_EQ(run["switches"].back()["function"], 1.0);  // off until t - 1 = 0
   for (std::size_t i = 0; i < state["switches"].size(); ++i)
     EXPECT_EQ(run["switches"][i]["value"], state["switches"][i]);
   const std::string text = flexura(command).out;
