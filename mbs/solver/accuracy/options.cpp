@@ -83,7 +83,7 @@ input::TableSchema solver_schema() {
   schema.keys.push_back(
       in::quantity("rho_inf", in::dim::none,
                    "of generalised_alpha: share of a vibration of infinite frequency that is "
-                   "left after a step; 1 = no numerical damping")
+                   "left after a step; 1 = no numerical damping, with constraints by a fixed_step only")
           .or_default("0.8")
           .at_least(0.0)
           .at_most(1.0));

@@ -83,6 +83,13 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
   } catch (const AssemblyError& e) {
     throw input::InputError(fmt::format("{}: {}", path.string(), e.what()));
   }
+  if (out.options.method == "generalised_alpha" && out.options.rho_inf == 1.0 &&
+      out.options.fixed_step == 0.0 && out.mechanism->sizes().n_lambda > 0)
+    throw input::InputError(
+        fmt::format("{}: solver.rho_inf = 1: leaves constraint forces undamped, and each change of the step "
+                    "makes them swing; "
+                    "give 0.99 or less, or a fixed_step",
+                    path.string()));
   if (set && set->equilibrium && state_file.empty()) start_in_equilibrium(out);
   if (!state_file.empty()) {
     // Now that the redundant rows are gone the multipliers have their places.

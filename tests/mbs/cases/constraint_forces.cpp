@@ -338,5 +338,17 @@ TEST_F(ConstraintForces, TheRunsOwnEnergiesMayBeAskedForByName) {
               ::testing::HasSubstr("did you mean \"energy.balance\""));
 }
 
+// Steps of changing length make them swing for ever: the run crept at 1e-9 s.
+TEST_F(ConstraintForces, AreNotLeftUndampedBySteppingAtWill) {
+  const std::string pendulum =
+      "[body.m]\nmass = 1\ninertia = [1, 1, 1]\nposition = [1, 0, 0]\n[constraint.rod]\ntype = "
+      "\"distance\"\nfrom = \"ground\"\n"
+      "to = \"m\"\nlength = 1\n[solver]\nend_time = 1\nmethod = \"generalised_alpha\"\nrho_inf = ";
+  EXPECT_THAT(refusal(pendulum + "1\n"),
+              ::testing::HasSubstr("solver.rho_inf = 1: leaves constraint forces"));
+  EXPECT_NO_THROW(prepared(pendulum + "0.99\n"));
+  EXPECT_NO_THROW(prepared(pendulum + "1\nfixed_step = \"1 ms\"\n"));
+}
+
 }  // namespace
 }  // namespace flexura::mbs::cases
