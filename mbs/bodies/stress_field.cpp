@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -117,8 +118,8 @@ Stress StressField::at(int place, const double* s, const double* factors, const 
   return sigma;
 }
 
-StressField::Largest StressField::largest(const double* s, const double* factors,
-                                          const Eigen::VectorXd* more) const {
+Eigen::VectorXd StressField::stresses(const double* s, const double* factors,
+                                      const Eigen::VectorXd* more) const {
   Eigen::VectorXd sigma = everywhere() * Eigen::Map<const Eigen::VectorXd>(s, Y_.cols());
   if (factors && has_loads())
     sigma += of_loads_ * Eigen::Map<const Eigen::VectorXd>(factors, of_loads_.cols());
@@ -126,9 +127,32 @@ StressField::Largest StressField::largest(const double* s, const double* factors
     if (of_acceleration_.cols() > 0) sigma += of_acceleration_ * more->head(of_acceleration_.cols());
     if (left_out_) sigma += *given_ * more->tail(given_->cols());
   }
+  return sigma;
+}
+
+StressField::Largest StressField::largest(const double* s, const double* factors,
+                                          const Eigen::VectorXd* more) const {
+  const Eigen::VectorXd sigma = stresses(s, factors, more);
   Largest out;
   for (int k = 0; k < places(); ++k)
     if (const double value = von_mises(sigma.segment<6>(6 * k)); value > out.von_mises) out = {value, k};
+  return out;
+}
+
+StressField::LargestStrain StressField::largest_strain(const double* s, const double* factors,
+                                                       const Eigen::VectorXd* more) const {
+  const Eigen::VectorXd sigma = stresses(s, factors, more);
+  LargestStrain out;
+  for (int k = 0; k < places(); ++k) {
+    const Strain e = compliance_[static_cast<std::size_t>(material_[static_cast<std::size_t>(k)])] *
+                     sigma.segment<6>(6 * k);
+    Eigen::Matrix3d tensor;
+    tensor << e(0), 0.5 * e(3), 0.5 * e(5), 0.5 * e(3), e(1), 0.5 * e(4), 0.5 * e(5), 0.5 * e(4), e(2);
+    const Eigen::Vector3d principal =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(tensor, Eigen::EigenvaluesOnly).eigenvalues();
+    for (const double value : principal)
+      if (std::abs(value) > std::abs(out.strain)) out = {value, k};
+  }
   return out;
 }
 

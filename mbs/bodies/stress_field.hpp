@@ -42,6 +42,11 @@ class StressField {
     int place = 0;
   };
 
+  struct LargestStrain {
+    double strain = 0.0;
+    int place = 0;
+  };
+
   /// `S` 6 n_s x n_se: stress modes at n_s places; `x` 3 x n_s where they are; `vertices` n_s their indices
   /// on the superelement's surface; `Y` n_se x m.  Throws std::invalid_argument where sizes disagree.  S times Y at all
   /// places is made where all places are asked for: for the few of stress points it costs more than a short run.
@@ -85,8 +90,13 @@ class StressField {
   /// Over all places.
   Largest largest(const double* s, const double* factors = nullptr,
                   const Eigen::VectorXd* more = nullptr) const;
+  /// The principal strain of the largest size over all places, with its sign.
+  LargestStrain largest_strain(const double* s, const double* factors = nullptr,
+                               const Eigen::VectorXd* more = nullptr) const;
 
  private:
+  /// At all places, one below the other.
+  Eigen::VectorXd stresses(const double* s, const double* factors, const Eigen::VectorXd* more) const;
   const Eigen::MatrixXd& everywhere() const;
 
   std::shared_ptr<const Eigen::MatrixXd> given_;  // 6 n_s x n_se

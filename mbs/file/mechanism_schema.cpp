@@ -230,7 +230,8 @@ such a position can be far off in them.
 | `CONSTRAINT.force_rack`, `.torque_pinion` | of a `rack_and_pinion`, on the coordinates |
 | `CONSTRAINT.force_ROW` | of a `user` constraint that names no outputs: generalised force along the row, whose power is the force times the row's rate |
 | `BODY.position_x`, `.velocity_x`, `.angular_velocity_x`, `.acceleration_x` .. | of the body's frame, in the world's axes |
-| `BODY.mode_1` .., `.strain_energy`, `.von_mises`, `BODY.POINT...` | of flexible bodies |
+| `BODY.mode_1` .., `.strain_energy`, `BODY.POINT...` | of flexible bodies |
+| `BODY.von_mises`, `.strain`, `.displacement` | the largest on a flexible body's surface, with `stress` or `displacement` = true: von Mises stress, principal strain (of the largest size, with its sign), displacement by deformation; `.von_mises_x` .. `_z`, `.strain_at_x`, `.displacement_at_x` .. say where |
 | `momentum.linear_x` .. `_z`, `momentum.angular_x` .. `_z` | of all bodies, in the world's axes, about the world's origin; one-way bodies as rigid ones |
 | `energy.kinetic`, `.strain`, `.potential`, `.total`, `power.input`, `power.dissipated` | of the mechanism |
 | `energy.input`, `.dissipated`, `.balance` | of the run, always stored; the balance is its error |

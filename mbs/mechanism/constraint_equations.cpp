@@ -140,10 +140,13 @@ Redundancy ConstraintEquations::redundant(const Equations& whole, When when, Con
     return found;
   }
   move(when, p, work);
-  std::vector<bool> of_positions, lasts;
+  std::vector<bool> of_positions, lasts, is_modal(static_cast<std::size_t>(m_.tree.n_v), false);
+  for (const int b : m_.tree.order)
+    if (const FlexibleBody* const body = m_.tree.flexible(b); body && body->modal())
+      std::fill_n(is_modal.begin() + m_.tree.bodies[b].i_v, m_.tree.bodies[b].m, true);
   m_.rows.list_kinds(work.motion, work.rows, of_positions, lasts);
   return find_redundancy(whole, when, p, m_.coordinates.kinematic_scale(m_.kinematics.extent(work.motion)),
-                         of_positions, lasts);
+                         is_modal, of_positions, lasts);
 }
 
 }  // namespace flexura::mbs

@@ -17,6 +17,9 @@ using Eigen::VectorXd;
 /// written with nine digits, angles between the parts of a loop make ten or a hundred times as much of the rest,
 /// and what is left out is watched to a millionth (row_watch.hpp).
 constexpr double dependent = 1e-6;
+/// Modal coordinates count by so much: modes that close a row by a thousandth of what they do elsewhere (a mesh that is not quite
+/// symmetric, the twist of a bar that is bent about two axes) hold it a million times as hard as those left out would.
+constexpr double by_deformation = 1e-3;
 /// A row is nothing at all where no motion as large as the mechanism changes it by more than this part of its
 /// size (ConstraintSizes). Axes of a door written with nine digits leave 1e-9, which normalised would pass for a
 /// direction that the hinges hold; arms of lengths can be far smaller than the mechanism.
@@ -24,7 +27,8 @@ constexpr double vanishing_angle = 1e-6, vanishing_length = 1e-8;
 
 /// Orthogonalises the rows in turn, the longest remainder first (pivoting keeps the choice well conditioned),
 /// those `of_positions` before the others, and returns the kept ones in ascending order.
-std::vector<int> independent_rows(const MatrixXd& G, const std::vector<bool>& of_positions) {
+std::vector<int> independent_rows(const MatrixXd& G, const std::vector<bool>& of_positions,
+                                  const VectorXd& weights) {
   const int n = static_cast<int>(G.rows());
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> Q = G;
   for (int i = 0; i < n; ++i) {
@@ -38,7 +42,7 @@ std::vector<int> independent_rows(const MatrixXd& G, const std::vector<bool>& of
     double longest = dependent;
     for (int i = 0; i < n; ++i) {
       if (done[i] || (first && !of_positions[i])) continue;
-      const double length = Q.row(i).norm();
+      const double length = Q.row(i).cwiseProduct(weights.transpose()).norm();
       // Of rows that are about equally good the first in the file stays.
       if (length > longest * (best < 0 ? 1.0 : 1.5)) best = i, longest = length;
     }
@@ -49,7 +53,7 @@ std::vector<int> independent_rows(const MatrixXd& G, const std::vector<bool>& of
     }
     done[best] = true;
     kept.push_back(best);
-    const Eigen::RowVectorXd q = Q.row(best) / longest;
+    const Eigen::RowVectorXd q = Q.row(best).normalized();
     for (int i = 0; i < n; ++i) {
       if (done[i]) continue;
       for (int pass = 0; pass < 2; ++pass) {
@@ -66,12 +70,15 @@ std::vector<int> independent_rows(const MatrixXd& G, const std::vector<bool>& of
 }  // namespace
 
 Redundancy find_redundancy(const Equations& mechanism, When when, ConstVectorRef p, const VectorXd& scale,
-                           const std::vector<bool>& of_positions, const std::vector<bool>& lasts) {
+                           const std::vector<bool>& is_modal, const std::vector<bool>& of_positions,
+                           const std::vector<bool>& lasts) {
   const auto scratch = mechanism.make_scratch();
   const ConstraintSizes sizes = mechanism.constraint_sizes(when, p, *scratch);
   const int n_rows = static_cast<int>(sizes.is_length.size()), n_v = static_cast<int>(scale.size());
   Redundancy out;
   for (int i = 0; i < n_rows; ++i) out.kept.push_back(i);
+  VectorXd weights(n_v);
+  for (int i = 0; i < n_v; ++i) weights(i) = is_modal[static_cast<std::size_t>(i)] ? by_deformation : 1.0;
   // Coordinates are weighed by the mechanism's geometry, so that metres, radians and modal coordinates compare;
   // what is dependent is no matter of masses.
   const auto scaled_G = [&](const VectorXd& at) {
@@ -89,7 +96,7 @@ Redundancy find_redundancy(const Equations& mechanism, When when, ConstVectorRef
 
   // The configuration itself and neighbours along its freedoms: the largest rank counts.
   MatrixXd best_G = scaled_G(p);
-  std::vector<int> best = independent_rows(best_G, of_positions);
+  std::vector<int> best = independent_rows(best_G, of_positions, weights);
   if (static_cast<int>(best.size()) == n_rows) return out;  // no neighbour can have a larger rank
   const MatrixXd G_p = best_G;
   // A drive does not last: at its next value the others may be independent that are not here.
@@ -101,11 +108,11 @@ Redundancy find_redundancy(const Equations& mechanism, When when, ConstVectorRef
     for (std::size_t i = 0; i < lasting.size(); ++i) some.row(i) = all.row(lasting[i]);
     return some;
   };
-  const auto decompose = [](const MatrixXd& G) {
+  const auto decompose = [&](const MatrixXd& G) {
     Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
     // At a dead point, where positions are known to the square root of round-off only, so is G.
     decomposition.setThreshold(dependent);
-    decomposition.compute(G);
+    decomposition.compute(G * weights.asDiagonal());
     return decomposition;
   };
   std::uint64_t random = 88172645463325252u;  // a fixed xorshift: the same answer in every run
@@ -121,11 +128,13 @@ Redundancy find_redundancy(const Equations& mechanism, When when, ConstVectorRef
   const MatrixXd held_p = rows_of(G_p);
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposed;
   if (!lasting.empty()) decomposed = decompose(held_p);
-  // Neighbours are drawn back onto the constraints by Newton's method with least-norm steps.
+  // Neighbours are drawn back onto the constraints by Newton's method with least-norm steps; they are reached by rigid motion, for
+  // rows of a plane linkage that deformations make independent do not stay so.
   for (int sample = 0; sample < 4; ++sample) {
     VectorXd z(n_v);
-    for (int i = 0; i < n_v; ++i) z(i) = 0.01 * uniform();  // 0.01 rad, or a hundredth of the extent
-    if (!lasting.empty()) z -= decomposed.solve(VectorXd(held_p * z));
+    for (int i = 0; i < n_v; ++i)  // 0.01 rad, or a hundredth of the extent
+      z(i) = is_modal[static_cast<std::size_t>(i)] ? 0.0 : 0.01 * uniform();
+    if (!lasting.empty()) z -= weights.cwiseProduct(decomposed.solve(VectorXd(held_p * z)));
     VectorXd at = p, next(static_cast<int>(p.size()));
     mechanism.retract(at, VectorXd(scale.asDiagonal() * z), next);
     at = next;
@@ -139,13 +148,13 @@ Redundancy find_redundancy(const Equations& mechanism, When when, ConstVectorRef
         closed = closed && std::abs(open(i)) <= std::max(1e-12 * sizes.size(lasting[i]), 10.0 * open_at_p);
       }
       if (closed) break;
-      const VectorXd step = decompose(rows_of(scaled_G(at))).solve(VectorXd(-open));
+      const VectorXd step = weights.cwiseProduct(decompose(rows_of(scaled_G(at))).solve(VectorXd(-open)));
       mechanism.retract(at, VectorXd(scale.asDiagonal() * step), next);
       at = next;
     }
     if (!closed || !at.allFinite()) continue;
     MatrixXd G = scaled_G(at);
-    std::vector<int> kept = independent_rows(G, of_positions);
+    std::vector<int> kept = independent_rows(G, of_positions, weights);
     if (kept.size() > best.size()) {
       best = std::move(kept);
       best_G = std::move(G);

@@ -15,11 +15,11 @@ struct Redundancy {
 };
 
 /// Which rows say nothing new at the configuration p and near it.  `scale` is what a coordinate changes by in a motion as
-/// large as the mechanism (n_v); rows `of_positions` are kept before others, and those that `last` say where the mechanism
+/// large as the mechanism, `is_modal` whether it is a modal coordinate (n_v); rows `of_positions` are kept before others, and those that `last` say where the mechanism
 /// may be at all times.
 Redundancy find_redundancy(const Equations& mechanism, When when, ConstVectorRef p,
-                           const Eigen::VectorXd& scale, const std::vector<bool>& of_positions,
-                           const std::vector<bool>& lasts);
+                           const Eigen::VectorXd& scale, const std::vector<bool>& is_modal,
+                           const std::vector<bool>& of_positions, const std::vector<bool>& lasts);
 
 /// What the rows of G beside the kept ones follow from.
 Redundancy with_kept(const Eigen::MatrixXd& G, std::vector<int> kept);

@@ -169,6 +169,8 @@ std::vector<input::Key> flexible_body_keys() {
       flag("stress", "von Mises stress on the surface at every output step; needs stress modes")
           .or_default("false"),
       table_map("stress_point", point, "places whose stresses and strains are stored"),
+      flag("displacement", "largest displacement by deformation on the surface at every output step")
+          .or_default("false"),
       table_map("surface_point", surface_point, "nodes of the surface whose displacements are stored"),
       table_map("section_point", section_point_table(),
                 "places whose section forces are stored, of a beam part"),
@@ -176,7 +178,7 @@ std::vector<input::Key> flexible_body_keys() {
 }
 
 bool wants_surface_points(const Section& s) {
-  return !s.table_map("surface_point").empty();
+  return s.flag("displacement") || !s.table_map("surface_point").empty();
 }
 
 std::shared_ptr<const SurfacePoints> read_surface_points(const Section& s,
@@ -184,10 +186,14 @@ std::shared_ptr<const SurfacePoints> read_surface_points(const Section& s,
                                                          const ModalData* body) {
   const auto n_v = se.surface.vertices.rows();
   if (n_v == 0 || (body && se.shapes.rows() != 3 * n_v))
-    s.refuse("surface_point", "the superelement has no shapes on its surface",
+    s.refuse(s.flag("displacement") ? "displacement" : "surface_point",
+             "the superelement has no shapes on its surface",
              "reduce the part from its CAD file, mesh or beams (foreign matrices bring none), or name an "
              "interface");
   auto out = std::make_shared<SurfacePoints>();
+  if (s.flag("displacement"))
+    out->set_everywhere(se.surface.vertices.transpose(),
+                        body ? MatrixXd(se.shapes.cast<double>() * body->Y) : MatrixXd(3 * n_v, 0));
   for (const auto& [name, point] : s.table_map("surface_point")) {
     Eigen::Index v = 0;
     (se.surface.vertices.rowwise() - point.vector3("position").transpose())

@@ -82,7 +82,9 @@ void Quantities::evaluate(const std::vector<int>& which, const Instant& at, Vect
   Vector6d momentum;
   bool momentum_is_known = false;
   StressField::Largest largest;
-  int largest_of = -1;
+  int largest_of = -1, strain_of = -1, displacement_of = -1;
+  StressField::LargestStrain strain;
+  SurfacePoints::Greatest displacement;
   std::vector<double> factors;
   int factors_of = -1;
   // Of a body's load cases, where its stresses or section forces follow them.
@@ -180,6 +182,23 @@ void Quantities::evaluate(const std::vector<int>& which, const Instant& at, Vect
           largest = stress.largest(at.deformation(q.index), load_factors(q.index), stress_beyond(q.index));
         largest_of = q.index;
         value = q.component == 0 ? largest.von_mises : stress.position(largest.place)(q.component - 1);
+        break;
+      }
+      case Kind::largest_strain: {
+        const StressField& stress = *tree_.d.bodies[q.index].stress;
+        if (strain_of != q.index)
+          strain =
+              stress.largest_strain(at.deformation(q.index), load_factors(q.index), stress_beyond(q.index));
+        strain_of = q.index;
+        value = q.component == 0 ? strain.strain : stress.position(strain.place)(q.component - 1);
+        break;
+      }
+      case Kind::largest_displacement: {
+        const SurfacePoints& surface = *tree_.d.bodies[q.index].surface_points;
+        if (displacement_of != q.index) displacement = surface.greatest(at.deformation(q.index));
+        displacement_of = q.index;
+        value =
+            q.component == 0 ? displacement.displacement : surface.node(displacement.node)(q.component - 1);
         break;
       }
       case Kind::point_stress: {

@@ -177,6 +177,14 @@ std::vector<Quantity> list_quantities(const Topology& tree, const ConstraintRows
       for (int i = 0; i < 3; ++i)
         add(fmt::format("{}.von_mises_{}", name, axis_names[i]), dim::length,
             "where it is, in the undeformed body", K::largest_stress, k, 1 + i, true);
+      if (stress->has_strain()) {
+        add(name + ".strain", dim::none,
+            "principal strain of the largest size on the body's surface, with its sign", K::largest_strain, k,
+            0);
+        for (int i = 0; i < 3; ++i)
+          add(fmt::format("{}.strain_at_{}", name, axis_names[i]), dim::length,
+              "where it is, in the undeformed body", K::largest_strain, k, 1 + i);
+      }
       const char* components[] = {"xx", "yy", "zz", "xy", "yz", "zx"};
       for (std::size_t p = 0; p < stress->points().size(); ++p) {
         const std::string point = name + "." + stress->points()[p].name;
@@ -192,6 +200,15 @@ std::vector<Quantity> list_quantities(const Topology& tree, const ConstraintRows
                     : "shear strain at the point (an angle), in the body's axes",
               K::point_stress, k, first + 7 + i);
       }
+    }
+    if (const SurfacePoints* surface = tree.d.bodies[b].surface_points.get();
+        surface && surface->has_everywhere()) {
+      add(name + ".displacement", dim::length,
+          "largest displacement by deformation on the body's surface, from where its floating frame takes it",
+          K::largest_displacement, k, 0, true);
+      for (int i = 0; i < 3; ++i)
+        add(fmt::format("{}.displacement_at_{}", name, axis_names[i]), dim::length,
+            "where it is, in the undeformed body", K::largest_displacement, k, 1 + i, true);
     }
     if (const SurfacePoints* surface = tree.d.bodies[b].surface_points.get())
       for (std::size_t p = 0; p < surface->points().size(); ++p) {

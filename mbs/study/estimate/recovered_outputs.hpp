@@ -52,7 +52,7 @@ class RecoveredOutputs {
     return (body.sections &&
             std::ranges::any_of(body.sections->points(),
                                 [&](const auto& point) { return opens(point.wanted.name + "."); })) ||
-           (body.stress && (opens("von_mises") ||
+           (body.stress && (opens("von_mises") || opens("strain_at") || name == body.name + ".strain" ||
                             std::ranges::any_of(body.stress->points(),
                                                 [&](const auto& point) { return opens(point.name + "."); })));
   }
