@@ -5,14 +5,13 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <stdexcept>
 
 #include "mbs/bodies/modal_problem.hpp"
+#include "mbs/bodies/mode_choice.hpp"
 #include "mbs/bodies/preparation_cache.hpp"
 
 namespace flexura::mbs {
@@ -21,10 +20,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-double hz(double omega2) {
-  return std::sqrt(omega2) / (2.0 * std::numbers::pi);
-}
 
 /// `K0F` in the modes Y, of every interface dof; empty without stiffening.
 FlexibleNode node_of(const BodyNode& at, const MatrixXd& Y, const std::vector<MatrixXd>& K0F) {
@@ -134,25 +129,8 @@ class Preparation {
     ModesWithin damped;  ///< whose ratios a damping law gives; C empty: the basis itself
   };
 
-  /// The number of eigenmodes, lowest first, that hold `share` of the mass and inertia of all of them in every held
-  /// direction: of the sums of (phi^T M_se r)^2 over the modes, r the rigid motion along that direction alone.
-  int count_by_effective_mass(const ModeSet& eigenmodes, double share) {
-    const MatrixXd R = superelement::rigid_motions(se_), Phi = problem().to_coordinates(eigenmodes.Y);
-    const MatrixXd along = options_.held.transpose() * R;
-    const MatrixXd r = R * along.completeOrthogonalDecomposition().pseudoInverse();
-    const MatrixXd shares = (Phi.transpose() * se_.M_se * r).cwiseAbs2();
-    const VectorXd all = shares.colwise().sum();
-    VectorXd held = VectorXd::Zero(all.size());
-    // Of a direction in which no mode resists the shares are round-off of the body's own mass or inertia.
-    constexpr double kRoundOff = 1e-12;
-    const VectorXd nothing = kRoundOff * (r.transpose() * se_.M_se * r).diagonal();
-    int count = 0;
-    for (; count < shares.rows(); ++count) {
-      if (((held - share * all).array() >= -nothing.array()).all()) break;
-      held += shares.row(count).transpose();
-    }
-    return count;
-  }
+  /// Modes that eigenmodes() gave, in superelement coordinates.
+  MatrixXd in_coordinates(const ModeSet& eigenmodes) { return problem().to_coordinates(eigenmodes.Y); }
 
   /// These of the eigenmodes, with response modes or without.
   Basis basis(const ModeSet& eigenmodes, const std::vector<int>& kept, bool responses) {
@@ -315,36 +293,6 @@ void set_damping(const superelement::Superelement& se, const DampingLaw& law, co
   if (couples) data.damping_coupling = std::move(D);
 }
 
-// Places of the eigenmodes to keep, ascending.  Motions without strain are no approximation's to leave out.
-std::vector<int> chosen_modes(Preparation& steps, const ModeSet& eigenmodes, const BasisOptions& options) {
-  const int available = static_cast<int>(eigenmodes.omega2.size());
-  int strainless = 0;
-  while (strainless < available && eigenmodes.omega2(strainless) == 0.0) ++strainless;
-  std::vector<int> chosen(static_cast<std::size_t>(strainless));
-  std::iota(chosen.begin(), chosen.end(), 0);
-  for (const int number : options.numbers)
-    if (number < 1 || number > available - strainless)
-      throw BasisError(
-          "modes", fmt::format("there is no eigenmode {}: the body has {} under its boundary condition; name "
-                               "some of these",
-                               number, available - strainless));
-  if (options.effective_mass > 0.0 && options.held.cols() == 0)
-    throw BasisError(
-        "effective_mass",
-        "modes of the free body carry no mass of a motion of their supports; hold them by a joint "
-        "(boundary = \"joint\")");
-  const int most =
-      options.effective_mass > 0.0
-          ? std::min(options.modes, steps.count_by_effective_mass(eigenmodes, options.effective_mass))
-          : options.modes;
-  for (int i = strainless; i < available; ++i) {
-    const bool is_wanted =
-        options.numbers.empty() ? i < most : std::ranges::count(options.numbers, i - strainless + 1) > 0;
-    if (is_wanted && hz(eigenmodes.omega2(i)) <= options.max_frequency) chosen.push_back(i);
-  }
-  return chosen;
-}
-
 }  // namespace
 
 ModalData modal_data(const superelement::Superelement& se, const BasisOptions& options, BasisReport* report,
@@ -359,7 +307,8 @@ ModalData modal_data(const superelement::Superelement& se, const BasisOptions& o
   Preparation steps(se, options, cache ? *cache : own);
   const ModeSet eigenmodes = steps.eigenmodes();
   const int available = static_cast<int>(eigenmodes.omega2.size());
-  const std::vector<int> chosen = chosen_modes(steps, eigenmodes, options);
+  const std::vector<int> chosen =
+      chosen_modes(se, options, eigenmodes.omega2, [&] { return steps.in_coordinates(eigenmodes); });
   const int kept = static_cast<int>(chosen.size());
   // Up to six directions leave all deformations, each up to a rigid motion.
   const bool responses = options.loads.cols() > 0 && (kept < available || options.held.cols() > 6);
@@ -369,17 +318,18 @@ ModalData modal_data(const superelement::Superelement& se, const BasisOptions& o
         fmt::format(
             "superelement \"{}\": no mode is left (the first one of {} has {:.6g} Hz); keep one or use "
             "fidelity = \"rigid\"",
-            se.name, available, available > 0 ? hz(eigenmodes.omega2(0)) : 0.0));
+            se.name, available, available > 0 ? frequency_of(eigenmodes.omega2(0)) : 0.0));
   double first_dropped = 0.0;
   for (int i = available - 1; i >= 0; --i)
-    if (!std::ranges::binary_search(chosen, i)) first_dropped = hz(eigenmodes.omega2(i));
+    if (!std::ranges::binary_search(chosen, i)) first_dropped = frequency_of(eigenmodes.omega2(i));
   std::vector<double> eigen_hz;
-  for (const int i : chosen) eigen_hz.push_back(hz(eigenmodes.omega2(i)));
+  for (const int i : chosen) eigen_hz.push_back(frequency_of(eigenmodes.omega2(i)));
   const auto [modes, damped] = steps.basis(eigenmodes, chosen, responses);
   const int m = static_cast<int>(modes.omega2.size());
   if (report)
-    *report = {available,     kept,    m - kept, hz(modes.omega2(0)), hz(modes.omega2(m - 1)),
-               first_dropped, eigen_hz};
+    *report = {
+        available,     kept,    m - kept, frequency_of(modes.omega2(0)), frequency_of(modes.omega2(m - 1)),
+        first_dropped, eigen_hz};
 
   ModalData data;
   data.Y = modes.Y;
