@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/constraints/rotation_drive.hpp"
 
+#include "mbs/base/math/rotation_sequences.hpp"
+
 namespace flexura::mbs {
 
 PrescribedRotation::Jets PrescribedRotation::jets(const Kinematics& kin) const {
@@ -19,11 +21,7 @@ DrivenRotation PrescribedRotation::of(const Jets& q) const {
   const Vector3d values(q[0].value, q[1].value, q[2].value), second(q[0].second, q[1].second, q[2].second);
   const auto [w, bias] = turn(q, {q[0].first, q[1].first, q[2].first});
   const Vector3d by_second = turn(q, second).first;
-  Matrix3d R = Matrix3d::Identity();
-  if (!axes_) R = rotation_exp(values);
-  for (std::size_t i = 0; axes_ && i < 3; ++i)
-    R = R * Eigen::AngleAxisd(q[i].value, Vector3d::Unit((*axes_)[i])).toRotationMatrix();
-  return {R, w, by_second + bias};
+  return {axes_ ? rotation_by_angles(*axes_, values) : rotation_exp(values), w, by_second + bias};
 }
 
 std::pair<Vector3d, Vector3d> PrescribedRotation::turn(Jets q, const Vector3d& q_dot) const {

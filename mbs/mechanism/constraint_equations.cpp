@@ -20,21 +20,24 @@ void ConstraintEquations::follow(Level level, When when, MechanismScratch& work)
 
 void ConstraintEquations::start_followed(State& s, const std::vector<bool>& given_v,
                                          MechanismScratch& work) const {
+  // Where its drive wants it, with its speed; false of a follower that is no rotation.
+  const auto puts_rotation = [&](const FollowedSignals::Follower& follower, const JointPlace& place) {
+    const auto* rotation =
+        dynamic_cast<const RotationDrive*>(m_.rows.constraints()[follower.constraint].get());
+    if (!rotation) return false;
+    m_.rows.own_contact(follower.constraint, work.motion, work.rows);
+    put_rotation(rotation->wanted(work.motion.kin), place, s.p, s.v);
+    return true;
+  };
   move(s, s.p, work);
   for (const FollowedSignals::Follower& follower : m_.followed.followers()) {
     const RowPlace row = m_.rows.place_of_row(m_.rows.first_row(follower.constraint));
     if (row.driven < 0 || follower.what.level != DriveLevel::position) continue;
     const JointDescription& joint = m_.tree.d.joints[static_cast<std::size_t>(row.joint)];
     const JointPlace& place = m_.tree.places[static_cast<std::size_t>(row.joint)];
-    if (!place.in_tree()) continue;
-    if (const auto* rotation =
-            dynamic_cast<const RotationDrive*>(m_.rows.constraints()[follower.constraint].get())) {
-      m_.rows.own_contact(follower.constraint, work.motion, work.rows);
-      put_rotation(rotation->wanted(work.motion.kin), place, s.p, s.v);
-    } else {
-      s.p(place.i_p + joint.coordinate_of_speed(row.driven)) =
-          work.rows.followed.of_constraints[follower.place].value;
-    }
+    if (!place.in_tree() || puts_rotation(follower, place)) continue;
+    s.p(place.i_p + joint.coordinate_of_speed(row.driven)) =
+        work.rows.followed.of_constraints[follower.place].value;
   }
   // Its speed, too, as of drives by time: left at rest it would set off by a blow that the rest of the mechanism feels.
   m_.kinematics.forward(Level::velocity, s.t, s.p.data(), s.v.data(), nullptr, work.motion);
@@ -43,13 +46,7 @@ void ConstraintEquations::start_followed(State& s, const std::vector<bool>& give
     const RowPlace row = m_.rows.place_of_row(m_.rows.first_row(follower.constraint));
     if (row.driven < 0 || follower.what.level == DriveLevel::acceleration) continue;
     const JointPlace& place = m_.tree.places[static_cast<std::size_t>(row.joint)];
-    if (!place.in_tree()) continue;
-    if (const auto* rotation =
-            dynamic_cast<const RotationDrive*>(m_.rows.constraints()[follower.constraint].get())) {
-      m_.rows.own_contact(follower.constraint, work.motion, work.rows);
-      put_rotation(rotation->wanted(work.motion.kin), place, s.p, s.v);
-      continue;
-    }
+    if (!place.in_tree() || puts_rotation(follower, place)) continue;
     const int speed = place.i_v + row.driven;
     if (given_v[static_cast<std::size_t>(speed)]) continue;
     const Jet& y = work.rows.followed.of_constraints[follower.place];

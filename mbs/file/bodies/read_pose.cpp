@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
 
@@ -15,16 +14,6 @@ namespace flexura::mbs {
 using input::Section;
 
 namespace {
-
-Matrix3d turned_by_angles(const Section& s) {
-  const Vector3d angles = s.vector3("angles");
-  const std::array<int, 3> axes = axes_of_sequence(s.text("sequence"));
-  Matrix3d R = Matrix3d::Identity();
-  for (int i = 0; i < 3; ++i)
-    R = R *
-        Eigen::AngleAxisd(angles(i), Vector3d::Unit(axes[static_cast<std::size_t>(i)])).toRotationMatrix();
-  return R;
-}
 
 // As near as they are written: the rotation nearest to them.
 Matrix3d turned_by_cosines(const Section& s) {
@@ -62,7 +51,7 @@ Matrix3d read_rotation(const Section& s) {
     const Eigen::Vector4d q = s.quaternion("quaternion");
     return rotation_of_quaternion(q.data());
   }
-  if (given == "angles") return turned_by_angles(s);
+  if (given == "angles") return rotation_by_angles(axes_of_sequence(s.text("sequence")), s.vector3("angles"));
   if (given == "direction_cosines") return turned_by_cosines(s);
   if (given.empty()) return Matrix3d::Identity();
   const Vector3d axis = s.vector3("axis");
