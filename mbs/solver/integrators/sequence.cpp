@@ -32,6 +32,7 @@ class Sequence : public Integrator {
     // Each state for itself: formulas are as they are there.
     for (std::size_t k = 0; k < now_.root.size(); ++k) now_.root[k] = 0;
     solve(now_, v_dot_);
+    begin_ = now_;
   }
   StepEnd step(double t_stop) override {
     StepEnd end;
@@ -44,6 +45,8 @@ class Sequence : public Integrator {
       try {
         Eigen::VectorXd v_dot = v_dot_;
         advance(next, v_dot, h);
+        begin_ = now_;
+        v_dot_begin_ = v_dot_;
         now_ = next;
         v_dot_ = v_dot;
         break;
@@ -68,9 +71,11 @@ class Sequence : public Integrator {
       v_dot = v_dot_;
       return;
     }
-    s = now_;
-    v_dot = v_dot_;
-    advance(s, v_dot, t - now_.t);
+    // Forward: where a speed jumps at the end of the step it has jumped there already.
+    const bool is_forward = integrates() && begin_.t <= t && t < now_.t;
+    s = is_forward ? begin_ : now_;
+    v_dot = is_forward ? v_dot_begin_ : v_dot_;
+    advance(s, v_dot, t - s.t);
     s.t = t;
   }
   StepCounts counts() const override { return counts_; }
@@ -79,6 +84,7 @@ class Sequence : public Integrator {
     mbs::remember(history, now_, n);
     history(v_dot_);
     if (history.reads() && v_dot_.size() != 0) require_size(v_dot_.size(), n.n_v);
+    if (history.reads()) begin_ = now_;
   }
 
  protected:
@@ -88,12 +94,14 @@ class Sequence : public Integrator {
     move(s, v_dot, h);
     solve(s, v_dot);
   }
+  /// Whether a state depends on the way to it.
+  virtual bool integrates() const { return false; }
 
   const Equations& eq_;
   SolverOptions options_;
   const char* what_;
-  State now_;
-  Eigen::VectorXd v_dot_;
+  State begin_, now_;  // of the last step
+  Eigen::VectorXd v_dot_begin_, v_dot_;
   StepCounts counts_;
 };
 
@@ -129,6 +137,7 @@ class KinematicSequence final : public Sequence {
     s.t += h;
   }
   void solve(State& s, Eigen::VectorXd& v_dot) const override { assemble(eq_, s, v_dot); }
+  bool integrates() const override { return integrates_; }
   // Positions follow from the drives but for those of drives of speed, which are integrated: by the step above, of second order, in
   // halves until one step and two differ by the tolerance.
   void advance(State& s, Eigen::VectorXd& v_dot, double h) const override {
@@ -144,7 +153,9 @@ class KinematicSequence final : public Sequence {
         error = std::max(error, std::abs(halves.p(i) - whole.p(i)) / (3.0 * eq_.position_scale(i)));
       if (!(error <= options_.tolerance)) {
         if (!(std::abs(h) > 1e-6 * options_.output_step))
-          throw std::runtime_error("positions of driven speeds are not found to the tolerance");
+          throw std::runtime_error(
+              "positions of driven speeds are not found to the tolerance; take a larger one, or method = "
+              "\"ida\"");
         for (int half = 0; half < 2; ++half) advance(s, v_dot, 0.5 * h);
         return;
       }
