@@ -52,6 +52,9 @@ void refuse_contradicting_drives(const Section& s, const JointDescription& joint
   if (by_vector && by_angles)
     s.refuse("drive_angle_1", "the rotation is driven twice, by angles and by a rotation vector",
              "keep one of them");
+  if (turns && s.has("drive_sequence") && !by_angles)
+    s.refuse("drive_sequence", "goes with drive_angle_1, drive_angle_2, drive_angle_3 only",
+             "drive these, or take it away");
   for (std::size_t i = 0; turns && (by_vector || by_angles) && i < 4; ++i)
     for (const std::string& key : {coordinates[i].name, i < 3 ? speeds[i].name : coordinates[i].name})
       if (s.has(key)) s.refuse(key, "the rotation is driven", "take this key away");

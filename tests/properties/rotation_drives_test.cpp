@@ -13,6 +13,7 @@
 #include "tests/app/command.hpp"
 #include "tests/mbs/cases/case_run.hpp"
 #include "tests/mbs/random/chance.hpp"
+#include "tests/mbs/test_folder.hpp"
 
 namespace flexura::properties {
 namespace {
@@ -181,6 +182,27 @@ TEST(RotationDrives, ConingTakesTheTorqueOfSteadyPrecession) {
           << seed << " " << t;
     }
     if (HasFailure()) return;
+  }
+}
+
+TEST(RotationDrives, WhatContradictsThemIsRefused) {
+  const test::Folder folder;
+  const auto file = folder.write(
+      "m.toml",
+      "[body.b]\nmass = 1\ninertia = [1, 1, 1]\n[joint.j]\ntype = \"spherical\"\nfrom = \"ground\"\nto = "
+      "\"b\"\n");
+  const struct {
+    std::vector<std::string> set;
+    const char* says;
+  } wrong[] = {{{"joint.j.drive_rotation_x=t", "joint.j.drive_angle_1=t"}, "driven twice"},
+               {{"joint.j.drive_rotation_x=t", "joint.j.drive_omega_y=1"}, "driven twice"},
+               {{"joint.j.drive_angle_2=t", "joint.j.drive_alpha_z=1"}, "driven twice"},
+               {{"joint.j.drive_angle_2=t", "joint.j.qx=0.1"}, "the rotation is driven"},
+               {{"joint.j.drive_sequence=zxz"}, "goes with drive_angle_1, drive_angle_2, drive_angle_3 only"},
+               {{"joint.j.drive_rotation_x=t", "joint.j.drive_sequence=zxz"}, "goes with drive_angle_1"}};
+  for (const auto& w : wrong) {
+    const std::string said = mbs::test::refusal_of([&] { mbs::prepare(file, w.set); });
+    EXPECT_NE(said.find(w.says), std::string::npos) << w.set.front() << ": " << said;
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <sstream>
 
 #include "mbs/base/documents/document.hpp"
@@ -36,6 +37,7 @@ std::string wrong_with_name(std::string_view name) {
 std::optional<std::vector<std::pair<int, int>>> ranges_of(const std::string& text) {
   constexpr int kMost = 1'000'000;
   std::vector<std::pair<int, int>> ranges;
+  if (text.ends_with(',')) return std::nullopt;
   std::istringstream parts(text);
   for (std::string part; std::getline(parts, part, ',');) {
     std::istringstream in(part);
@@ -299,13 +301,19 @@ class Checker {
   void formulas(const toml::node& node, const Key& key, const Place& place, Value& value) const {
     const toml::table* table = node.as_table();
     if (!table) values_.refuse(place, &node, values_.wanted(key) + " is wanted");
-    std::vector<std::pair<int, std::pair<std::string, std::string>>> entries;
+    std::vector<Formula> entries;
     collect(*table, key, place, "", entries);
-    std::stable_sort(entries.begin(), entries.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (auto& [line, named] : entries) {
-      value.texts.push_back(std::move(named.first));
-      value.texts.push_back(std::move(named.second));
+    std::ranges::stable_sort(entries, {}, &Formula::line);
+    // "a.b" and a.b are one name; the command line has the last word on it.
+    std::map<std::string, std::size_t> places;
+    for (Formula& entry : entries) {
+      const auto [at, is_new] = places.emplace(entry.name, value.texts.size());
+      if (is_new)
+        value.texts.insert(value.texts.end(), {std::move(entry.name), std::move(entry.text)});
+      else if (entry.line == kNoLine)
+        value.texts[at->second + 1] = std::move(entry.text);
+      else
+        values_.refuse(place, nullptr, fmt::format("gives \"{}\" twice", entry.name), "keep one of them");
     }
   }
 
@@ -331,9 +339,14 @@ class Checker {
       values_.refuse(place, &node, fmt::format("names {} twice", *twice));
   }
 
+  static constexpr int kNoLine = std::numeric_limits<int>::max();  // of the command line
+  struct Formula {
+    int line;
+    std::string name, text;
+  };
   // A point in a name that stands without quotes makes a table within the table.
   void collect(const toml::table& table, const Key& key, const Place& place, const std::string& prefix,
-               std::vector<std::pair<int, std::pair<std::string, std::string>>>& entries) const {
+               std::vector<Formula>& entries) const {
     const Key entry = expression(key.name, key.doc);
     for (const auto& [name, child] : table) {
       const std::string whole = prefix + std::string(name.str()), full = join_path(place.path, whole);
@@ -341,13 +354,13 @@ class Checker {
       const Place here{full, line, values_.is_overridden(full), false};
       if (!files::is_plain_text(name.str()))
         values_.refuse(here, nullptr, "has a control character in its name", "choose another name");
+      const int rank = line ? line : kNoLine;
       if (const toml::table* below = child.as_table(); below != nullptr && !below->empty())
         collect(*below, key, place, whole + ".", entries);
       else if (const auto* text = child.as_string(); key.keeps_units && text != nullptr)
-        entries.push_back({line ? line : std::numeric_limits<int>::max(), {whole, text->get()}});
+        entries.push_back({rank, whole, text->get()});
       else
-        entries.push_back(
-            {line ? line : std::numeric_limits<int>::max(), {whole, values_.formula(child, entry, here)}});
+        entries.push_back({rank, whole, values_.formula(child, entry, here)});
     }
   }
 

@@ -295,6 +295,9 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
   options.modes = modes.first;
   options.numbers = modes.numbers;
   if (s.has("effective_mass")) options.effective_mass = s.quantity("effective_mass");
+  if (s.has("effective_mass") && !modes.numbers.empty())
+    s.refuse("effective_mass", "`modes` says by their numbers which eigenmodes are kept",
+             "let modes be the most that are kept, a number alone, or take one of the two keys away");
   if (s.has("max_frequency")) options.max_frequency = s.quantity("max_frequency");
   options.response_frequency = s.quantity("response_frequency");
 
@@ -375,9 +378,14 @@ std::shared_ptr<const FlexibleBody> prepare_flexible_body(
     notes.push_back(
         fmt::format("body \"{}\" follows its loads by {} static response modes", name, report.responses));
   } else if (report.kept < report.available) {
-    std::string note =
-        fmt::format("body \"{}\" keeps {} of {} modes, up to {:.6g} Hz (the next has {:.6g} Hz)", name,
-                    report.kept, report.available, report.eigen_hz.back(), report.first_dropped_hz);
+    std::string note = fmt::format("body \"{}\" keeps {} of {} modes", name, report.kept, report.available);
+    const double highest = report.eigen_hz.empty() ? 0.0 : report.eigen_hz.back();
+    if (highest > 0.0) note += fmt::format(", up to {:.6g} Hz", highest);
+    note += fmt::format(" (the {} has {:.6g} Hz)",
+                        highest == 0.0                      ? "first"
+                        : report.first_dropped_hz < highest ? "lowest left out"
+                                                            : "next",
+                        report.first_dropped_hz);
     if (report.responses > 0)
       note += fmt::format(", and {} response modes up to {:.6g} Hz for the interfaces in use",
                           report.responses, report.highest_hz);

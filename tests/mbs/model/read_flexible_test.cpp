@@ -12,6 +12,7 @@ namespace flexura::mbs {
 namespace {
 
 using namespace checks;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 const char* const flexible_pendulum = R"toml(
@@ -71,7 +72,10 @@ TEST_F(MechanismFileTest, SuperelementIsModalOrRigid) {
   // Of the boundary condition only where modes are left out.
   ASSERT_EQ(truncated.notes.size(), 2u);
   EXPECT_THAT(truncated.notes[0], HasSubstr("gives the eigenmodes' boundary condition"));
-  EXPECT_THAT(truncated.notes[1], HasSubstr("body \"beam\" keeps 4 of 9 modes"));
+  EXPECT_THAT(truncated.notes[1],
+              AllOf(HasSubstr("body \"beam\" keeps 4 of 9 modes"), HasSubstr("(the next has ")));
+  EXPECT_THAT(read(flexible_pendulum, {"body.beam.modes=[2, 5]"}).notes[1],
+              HasSubstr("(the lowest left out has "));
   EXPECT_THAT(truncated.notes[1], HasSubstr("it is stiffer under loads"));
 }
 
@@ -87,6 +91,7 @@ TEST_F(MechanismFileTest, BodiesArePreparedForWhatActsOnThem) {
   EXPECT_EQ(modes_of({"body.beam.modes=\"1-3, 7\""}), 4);
   const int of_mass = modes_of({"body.beam.effective_mass=0.5", "body.beam.boundary=joint"});
   EXPECT_TRUE(of_mass > 0 && of_mass < 18) << of_mass;
+  EXPECT_EQ(modes_of({"body.beam.max_frequency=1 mHz", "body.beam.attachments=used"}), 5 + 6);
   EXPECT_EQ(modes_of({"body.beam.modes=4", "body.beam.attachments=used"}), 4 + 5 + 6);
   EXPECT_EQ(modes_of({"body.beam.modes=4", "body.beam.attachments=all"}), 4 + 12);
   EXPECT_EQ(modes_of({"body.beam.fidelity=static"}), 5 + 6);
@@ -142,6 +147,9 @@ TEST_F(MechanismFileTest, BodiesArePreparedForWhatActsOnThem) {
               HasSubstr("is empty"));
   EXPECT_THAT(refusal_of({"body.beam.damping_ratios=[0.1, 0.2]", "body.beam.damping_frequencies=[10, 5]"}),
               HasSubstr("damping_frequencies = [10, 5]: 5 Hz does not lie above the one before it"));
+  EXPECT_THAT(refusal_of({"body.beam.effective_mass=0.9", "body.beam.modes=[1, 3]"}),
+              HasSubstr("`modes` says by their numbers which eigenmodes are kept"));
+  EXPECT_THAT(refusal_of({"body.beam.modes=1-3,"}), HasSubstr("a text like \"1-5, 8\" is wanted"));
   EXPECT_THAT(refusal_of({"body.beam.max_frequency=1e-6"}), HasSubstr("max_frequency: superelement"));
 }
 

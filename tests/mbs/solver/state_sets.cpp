@@ -69,6 +69,9 @@ state = "zero"
   // The command line has the last word.
   ASSERT_EQ(flexura("assemble m.toml --run up --state fast"), 0) << text_of("err.txt");
   EXPECT_THAT(text_of("out.txt"), AllOf(HasSubstr("0.34906585"), HasSubstr(" 2 ")));
+  ASSERT_EQ(flexura("assemble m.toml --state up --set state.up.values.hinge.speed=7"), 0)
+      << text_of("err.txt");
+  EXPECT_THAT(text_of("out.txt"), AllOf(HasSubstr("1.57079633"), HasSubstr(" 7 ")));
 }
 
 TEST_F(StateSets, RunFromASavedStateIsTheRestOfTheOneThatSavedIt) {
@@ -160,6 +163,7 @@ TEST_F(StateSets, WhatMeansNothingIsRefused) {
                {"values.hinge.angle = \"2 grad\"", "has the unknown unit \"grad\""},
                {"values.hinge.angle = \"inf\"", "state.a.values.hinge.angle"},
                {"values.hinge.angle = nan", "state.a.values.hinge.angle"},
+               {"values = { hinge.angle = 1, \"hinge.angle\" = 2 }", "gives \"hinge.angle\" twice; keep one"},
                {"file = \"none.json\"", "none.json: there is no such file"},
                {"", "says nothing of any state"}};
   for (const auto& w : wrong) {
