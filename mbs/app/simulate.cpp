@@ -102,7 +102,8 @@ double least_size(const std::vector<NamedRun>& runs) {
             : mbs::select_quantities(*run.prepared.mechanism, run.prepared.file.outputs).size();
     const double columns = 1.0 + static_cast<double>(outputs) +
                            (o.store_states ? n.n_p + n.n_v + n.n_dyn + n.n_alg + n.n_lambda + n.n_root : 0);
-    if (std::isfinite(rows) && o.stop_time <= o.start_time) numbers += std::max(rows, 0.0) * columns;
+    const bool has_stop = o.stop_time != 0.0 && o.stop_time > o.start_time;
+    if (std::isfinite(rows) && !has_stop) numbers += std::max(rows, 0.0) * columns;
   }
   return 0.1 * sizeof(double) * numbers;
 }

@@ -230,8 +230,8 @@ bool Runner::finish_step(const StepEnd& end, Integrator& integrator) {
     return false;
   }
   // Behind an event that started the integrator anew it has nothing yet to go on with to the bit.
-  if (options_.stop_time > options_.start_time && end.t_end >= options_.stop_time && has_history_ &&
-      end.t_end < options_.end_time) {
+  const bool has_stop = options_.stop_time != 0.0 && options_.stop_time > options_.start_time;
+  if (has_stop && end.t_end >= options_.stop_time && has_history_ && end.t_end < options_.end_time) {
     result_.stopped_because = fmt::format("stop_time is reached at t = {:.9g} s", end.t_end);
     result_.stopped_as_told = true;
     return false;

@@ -74,6 +74,15 @@ state = "zero"
   EXPECT_THAT(text_of("out.txt"), AllOf(HasSubstr("1.57079633"), HasSubstr(" 7 ")));
 }
 
+// 0 is a time as any other; stop_time = 0 is none.
+TEST_F(StateSets, ARunMayStartBeforeZero) {
+  file(rod + "[state.early]\ntime = -0.4\nvalues.hinge.speed = 1\n" + short_run);
+  ASSERT_EQ(flexura("simulate m.toml -o o.h5 --state early --no-estimate"), 0) << text_of("err.txt");
+  const results::Run run = results::read(folder_ / "o.h5").runs[0];
+  EXPECT_EQ(run.time(0), -0.4);
+  EXPECT_EQ(run.time(run.time.size() - 1), 1.0);
+}
+
 TEST_F(StateSets, RunFromASavedStateIsTheRestOfTheOneThatSavedIt) {
   file(rod + "[state.half]\nfile = \"half.json\"\n" +
        "[solver]\nend_time = 1\noutput_step = 0.5\ntolerance = 1e-10\n");
