@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/mbs/planar_links.hpp"
 #include "tests/mbs/random/chance.hpp"
 #include "tests/properties/one_freedom.hpp"
 
@@ -16,6 +17,8 @@ namespace flexura::properties {
 namespace {
 
 using mbs::chance::Chance;
+using mbs::test::hinge;
+using mbs::test::PlanarLink;
 
 constexpr double kTolerances[] = {1e-5, 1e-7, 1e-9};
 
@@ -205,55 +208,15 @@ TEST(Passages, RowsNextToADeadPointThatAreWrongAreTold) {
                  ty = 2.0 * (py + along * uy);
     const double coupler = std::atan2(ty - py, tx - px) - phi, rocker = std::atan2(ty, tx - 1.0);
     const std::string text =
-        fmt::format(R"(
-gravity = [0,0,0]
-[ground.marker.g2]
-position = [1,0,0]
-[body.a]
-mass = 1
-center = [{0},0,0]
-inertia = [0.01,0.01,0.01]
-[body.a.marker.t]
-position = [{1},0,0]
-[body.b]
-mass = 1
-center = [{0},0,0]
-inertia = [0.01,0.01,0.01]
-[body.b.marker.t]
-position = [{1},0,0]
-[body.c]
-mass = 1
-center = [0.5,0,0]
-inertia = [0.01,0.01,0.01]
-[body.c.marker.t]
-position = [1,0,0]
-[joint.h1]
-type = "revolute"
-from = "ground"
-to = "a"
-drive = "{2}+{3}*t"
-[joint.h2]
-type = "revolute"
-from = "a.t"
-to = "b"
-angle = {4:.17g}
-[joint.h3]
-type = "revolute"
-from = "ground.g2"
-to = "c"
-angle = {5:.17g}
-[joint.h4]
-type = "revolute"
-from = "b.t"
-to = "c.t"
-cut = true
-[solver]
-end_time = {6}
-output_step = 0.0005
-tolerance = {7}
-method = "{8}"
-)",
-                    0.5 * a, a, phi, w, coupler, rocker, 4.0 * std::numbers::pi / w, tolerance, method);
+        "gravity = [0, 0, 0]\n[ground.marker.far]\nposition = [1, 0, 0]\n" +
+        text_of(PlanarLink{"a", a, 1.0, 0.5 * a, 0.01}) + text_of(PlanarLink{"b", a, 1.0, 0.5 * a, 0.01}) +
+        text_of(PlanarLink{"c", 1.0, 1.0, 0.5, 0.01}) +
+        hinge("h1", "ground", "a", fmt::format("drive = \"{}+{}*t\"", phi, w)) +
+        hinge("h2", "a.t", "b", fmt::format("angle = {:.17g}", coupler)) +
+        hinge("h3", "ground.far", "c", fmt::format("angle = {:.17g}", rocker)) +
+        hinge("h4", "b.t", "c.t", "cut = true") +
+        fmt::format("[solver]\nend_time = {}\noutput_step = 0.0005\ntolerance = {}\nmethod = \"{}\"\n",
+                    4.0 * std::numbers::pi / w, tolerance, method);
     mbs::PreparedMechanism p = mbs::prepare(folder.write("kite.toml", text));
     const auto all = p.mechanism->quantities();
     const auto which =

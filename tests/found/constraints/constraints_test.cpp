@@ -10,6 +10,7 @@
 
 #include "mbs/results/results.hpp"
 #include "tests/app/command.hpp"
+#include "tests/mbs/planar_links.hpp"
 
 /// Constraints that conflict, are redundant or lose rank: what contradicts is refused by the names of its rows
 /// (2: by the file alone, before the first step; 1: where the motion gets there, rows kept), what is redundant and
@@ -17,6 +18,8 @@
 namespace flexura {
 namespace {
 
+using mbs::test::hinge;
+using mbs::test::PlanarLink;
 using test::Outcome;
 using test::run;
 using ::testing::AllOf;
@@ -292,47 +295,14 @@ TEST(Constraints, CantileversWithoutModesThatStretchThemAreTold) {
 TEST(Constraints, AJointThatClosesALoopMayBeDriven) {
   const test::Folder folder;
   const auto rocker = [&](const std::string& cut) {
-    const auto file = folder.write("m.toml", R"toml(
-gravity = [0, -9.81, 0]
-[ground.marker.d]
-position = [1, 0, 0]
-[body.crank]
-mass = 1
-center = [0.1, 0, 0]
-inertia = [0.01, 0.01, 0.01]
-[body.crank.marker.e]
-position = [0.2, 0, 0]
-[body.rod]
-mass = 1
-center = [0.5, 0, 0]
-inertia = [0.1, 0.1, 0.1]
-[body.rod.marker.e]
-position = [1, 0, 0]
-[body.rocker]
-mass = 1
-center = [0.25, 0, 0]
-inertia = [0.05, 0.05, 0.05]
-[body.rocker.marker.e]
-position = [0.5, 0, 0]
-[joint.D]
-type = "revolute"
-from = "ground.d"
-to = "rocker"
-angle = 1.8
-[joint.C]
-type = "revolute"
-from = "rocker.e"
-to = "rod.e"
-[joint.B]
-type = "revolute"
-from = "rod"
-to = "crank.e"
-[joint.A]
-type = "revolute"
-from = "ground"
-to = "crank"
-drive = "1 + 7*t"
-)toml" + cut + R"toml(
+    const auto file =
+        folder.write("m.toml", "gravity = [0, -9.81, 0]\n[ground.marker.d]\nposition = [1, 0, 0]\n" +
+                                   text_of(PlanarLink{"crank", 0.2, 1.0, 0.1, 0.01}) +
+                                   text_of(PlanarLink{"rod", 1.0, 1.0, 0.5, 0.1}) +
+                                   text_of(PlanarLink{"rocker", 0.5, 1.0, 0.25, 0.05}) +
+                                   hinge("D", "ground.d", "rocker", "angle = 1.8") +
+                                   hinge("C", "rocker.t", "rod.t") + hinge("B", "rod", "crank.t") +
+                                   hinge("A", "ground", "crank", "drive = \"1 + 7*t\"\n" + cut) + R"toml(
 [output]
 quantities = ["D.angle", "A.drive_force"]
 [solver]

@@ -11,9 +11,8 @@ namespace flexura::mbs::test {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-ExactMotion damped_oscillator(double w, double zeta, double x0, double v0) {
-  const double w_d = w * std::sqrt(1.0 - zeta * zeta);
-  return {fmt::format(R"toml(gravity = [0, 0, 0]
+std::string slide() {
+  return R"toml(gravity = [0, 0, 0]
 [ground.marker.m]
 [body.a]
 mass = 1
@@ -23,7 +22,12 @@ inertia = [1, 1, 1]
 type = "prismatic"
 from = "ground.m"
 to = "a.m"
-position = {}
+)toml";
+}
+
+ExactMotion damped_oscillator(double w, double zeta, double x0, double v0) {
+  const double w_d = w * std::sqrt(1.0 - zeta * zeta);
+  return {slide() + fmt::format(R"toml(position = {}
 speed = {}
 [force.s]
 type = "joint_spring_damper"
@@ -33,7 +37,7 @@ damping = {}
 [output]
 quantities = ["j.position", "j.speed"]
 )toml",
-                      x0, v0, w * w, 2.0 * zeta * w),
+                                x0, v0, w * w, 2.0 * zeta * w),
           [=](double t) -> VectorXd {
             const double decay = std::exp(-zeta * w * t), c = std::cos(w_d * t), s = std::sin(w_d * t);
             return Eigen::Vector2d(decay * (x0 * c + (v0 + zeta * w * x0) / w_d * s),

@@ -13,6 +13,9 @@ struct ExactMotion {
   std::function<Eigen::VectorXd(double t)> outputs;  ///< of the file's quantities, in their order
 };
 
+/// Without loads, a mass `a` of 1 kg on a slide `j`; keys of the slide may follow.
+std::string slide();
+
 /// x'' + 2 zeta w x' + w^2 x = 0, 0 <= zeta < 1, from x0, v0: position and speed.
 ExactMotion damped_oscillator(double w, double zeta, double x0, double v0);
 

@@ -35,18 +35,6 @@ struct Motion {
   bool has_switch = false;
 };
 
-const char* const kSlide = R"toml(gravity = [0, 0, 0]
-[ground.marker.m]
-[body.a]
-mass = 1
-inertia = [1, 1, 1]
-[body.a.marker.m]
-[joint.j]
-type = "prismatic"
-from = "ground.m"
-to = "a.m"
-)toml";
-
 Motion oscillator() {
   ExactMotion exact = damped_oscillator(9.0, 0.1, 1.0, 0.0);
   return {"a damped oscillator", std::move(exact.text), std::move(exact.outputs)};
@@ -75,8 +63,7 @@ Motion led_cart(bool by_speed, bool jumps) {
   const double w = 8.0, F = jumps ? 20.0 : 0.0, t_1 = 0.37;
   return {fmt::format("a cart led by its {}, with a mass on a spring{}", by_speed ? "speed" : "place",
                       jumps ? " and a force that jumps" : ""),
-          std::string(kSlide) +
-              fmt::format(R"toml({}
+          slide() + fmt::format(R"toml({}
 [body.b]
 mass = 1
 inertia = [1, 1, 1]
@@ -96,7 +83,8 @@ value = "t < {} ? 0 : {}"
 [output]
 quantities = ["j.position", "r.position", "r.speed"]
 )toml",
-                          by_speed ? "drive_speed = \"cos(3*t)\"" : "drive = \"sin(3*t)/3\"", w * w, t_1, F),
+                                by_speed ? "drive_speed = \"cos(3*t)\"" : "drive = \"sin(3*t)/3\"", w * w,
+                                t_1, F),
           [=](double t) -> VectorXd {
             const double A = 3.0 / (w * w - 9.0), B = -3.0 * A / w, s = t - t_1;
             double r = A * std::sin(3.0 * t) + B * std::sin(w * t),
@@ -114,7 +102,7 @@ quantities = ["j.position", "r.position", "r.speed"]
 Motion two_springs() {
   const double w_1 = 6.0, w_2 = 15.0, pi = std::acos(-1.0);
   return {"a mass between two springs (switch)",
-          std::string(kSlide) + fmt::format(R"toml(position = 1
+          slide() + fmt::format(R"toml(position = 1
 [force.s]
 type = "joint_force"
 joint = "j"
@@ -122,7 +110,7 @@ value = "j.position > 0 ? -{}*j.position : -{}*j.position"
 [output]
 quantities = ["j.position", "j.speed"]
 )toml",
-                                            w_1 * w_1, w_2 * w_2),
+                                w_1 * w_1, w_2 * w_2),
           [=](double t) -> VectorXd {
             const double first = 0.5 * pi / w_1, period = pi / w_1 + pi / w_2;
             if (t < first) return Eigen::Vector2d(std::cos(w_1 * t), -w_1 * std::sin(w_1 * t));

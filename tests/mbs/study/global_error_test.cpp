@@ -15,6 +15,7 @@
 #include "mbs/mechanism/describe.hpp"
 #include "mbs/study/estimate/later_global_error.hpp"
 #include "tests/app/command.hpp"
+#include "tests/mbs/planar_links.hpp"
 #include "tests/mbs/study/rows_of_run.hpp"
 #include "tests/mbs/study/twelve_mechanisms.hpp"
 
@@ -103,49 +104,15 @@ INSTANTIATE_TEST_SUITE_P(TwelveMechanisms, IntegratorsShare,
                          });
 
 // Each step of generalised alpha leaves the constraints of speeds by its error, with signs that change with its length.
-constexpr const char* kFourBar = R"toml(gravity = [0, -9.81, 0]
-[ground.marker.far]
-position = [1, 0, 0]
-[body.a]
-mass = 1
-center = [0.15, 0, 0]
-inertia = [0.01, 0.01, 0.01]
-[body.a.marker.t]
-position = [0.3, 0, 0]
-[body.b]
-mass = 2
-center = [0.5, 0, 0]
-inertia = [0.2, 0.2, 0.2]
-[body.b.marker.t]
-position = [1, 0, 0]
-[body.c]
-mass = 1.5
-center = [0.4, 0, 0]
-inertia = [0.1, 0.1, 0.1]
-[body.c.marker.t]
-position = [0.8, 0, 0]
-[joint.h1]
-type = "revolute"
-from = "ground"
-to = "a"
-angle = 1.2
-speed = 8
-[joint.h2]
-type = "revolute"
-from = "a.t"
-to = "b"
-angle = -0.5
-[joint.h3]
-type = "revolute"
-from = "ground.far"
-to = "c"
-angle = 1.5
-[joint.h4]
-type = "revolute"
-from = "b.t"
-to = "c.t"
-cut = true
-[force.q]
+std::string four_bar() {
+  using mbs::test::hinge;
+  return "gravity = [0, -9.81, 0]\n[ground.marker.far]\nposition = [1, 0, 0]\n" +
+         text_of(mbs::test::PlanarLink{"a", 0.3, 1.0, 0.15, 0.01}) +
+         text_of(mbs::test::PlanarLink{"b", 1.0, 2.0, 0.5, 0.2}) +
+         text_of(mbs::test::PlanarLink{"c", 0.8, 1.5, 0.4, 0.1}) +
+         hinge("h1", "ground", "a", "angle = 1.2\nspeed = 8") + hinge("h2", "a.t", "b", "angle = -0.5") +
+         hinge("h3", "ground.far", "c", "angle = 1.5") + hinge("h4", "b.t", "c.t", "cut = true") +
+         R"toml([force.q]
 type = "joint_spring_damper"
 joint = "h3"
 stiffness = 3
@@ -157,6 +124,7 @@ output_step = "10 ms"
 [output]
 quantities = ["h1.angle", "h1.speed", "h1.acceleration", "h4.force_x", "h4.force_y", "h3.force", "q.force"]
 )toml";
+}
 
 TEST(IntegratorsShareOfLoops, FollowsStepsThatLeaveTheConstraints) {
   std::mt19937 random(20261128);
@@ -164,7 +132,7 @@ TEST(IntegratorsShareOfLoops, FollowsStepsThatLeaveTheConstraints) {
     return std::uniform_real_distribution<double>(least, most)(random);
   };
   const Folder folder;
-  const std::filesystem::path file = folder.write("mechanism.toml", kFourBar);
+  const std::filesystem::path file = folder.write("mechanism.toml", four_bar());
   int judged = 0;
   for (int i = 0; i < 40; ++i) {
     std::vector<std::string> set = {fmt::format("joint.h1.speed={}", (i % 2 == 0 ? 1 : -1) * draw(4.0, 10.0)),
