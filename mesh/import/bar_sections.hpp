@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-/// Constants of the cross-sections that decks name by shape (PBARL, PBEAML, *BEAM SECTION).  y and z are the
+/// Constants of cross-sections by their shape, which decks name (nastran_sections.hpp, abaqus_beam_sections.hpp).  y and z are the
 /// element's axes; all moments about the centroid.
 namespace flexura::mesh {
 
@@ -49,15 +49,8 @@ struct Line {
 /// The shear centre (y, z) of an open one; its walls are a tree, each from where an earlier one ends.
 Eigen::Vector2d thin_shear_centre(const std::vector<Eigen::Vector2d>& points, const std::vector<Line>& lines);
 
-/// A section of PBARL and PBEAML (MSC Nastran's shapes but HAT1, DBOX and those of other programs); std::invalid_argument for
-/// shapes that are not known, too few dimensions, or dimensions that leave no material.
-BarSection nastran_section(const std::string& type, const std::vector<double>& dim);
-std::size_t nastran_dimensions(const std::string& type);
-
-/// How many dimensions a section of *BEAM SECTION has, 0 for one that is not known.
-std::size_t dimensions_of_abaqus_section(const std::string& type);
-
-/// A section of *BEAM SECTION, y along Abaqus' direction 1: CIRC, PIPE, RECT, BOX, I, L.
-BarSection abaqus_section(const std::string& type, const std::vector<double>& dim);
+/// Of the height between the middles of two flanges, the share at which the shear centre stands above the lower one (0 to 1): as their
+/// moments of inertia about the web.
+double flange_centre(double lower_thickness, double lower_width, double upper_thickness, double upper_width);
 
 }  // namespace flexura::mesh

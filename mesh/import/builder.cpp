@@ -86,6 +86,10 @@ void require_not_negative(double value, const std::string& of, const char* what,
         fmt::format("{}: {} has the {} {:g}; it must be at least 0", where.text(), of, what, value));
 }
 
+void require(bool good, const std::string& what) {
+  if (!good) throw std::invalid_argument(what);
+}
+
 void require_mass(const ImportedMass& mass, const std::string& of, const Where& where) {
   if (mass.inertia.isZero(0.0)) return require_positive(mass.mass, of, "mass", where);
   require_not_negative(mass.mass, of, "mass", where);

@@ -45,6 +45,9 @@ class Implied {
 /// CBAR 7 has the area -1; it must be above 0".
 void require_positive(double value, const std::string& of, const char* what, const Where& where);
 void require_not_negative(double value, const std::string& of, const char* what, const Where& where);
+/// Throws std::invalid_argument with this text unless `good`.
+void require(bool good, const std::string& what);
+
 /// Area above 0; second moments, torsion constant and shear factors at least 0; I_yy I_zz >= I_yz^2.  Mass may be taken away.
 void require_section(const ImportedBar& bar, const std::string& of, const Where& where);
 

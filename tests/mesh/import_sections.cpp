@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "mesh/import/bar_sections.hpp"
+#include "mesh/import/nastran/nastran_sections.hpp"
 
 namespace flexura::mesh {
 namespace {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -46,6 +47,54 @@ double fraction(const Keyword& k, const char* key) {
   return k.has(key) ? to_real(k.get(key), k.where) : 0.0;
 }
 
+std::size_t dimensions_of(const std::string& type) {
+  static const std::map<std::string, std::size_t> kNumber = {{"CIRC", 1}, {"PIPE", 2}, {"RECT", 2},
+                                                             {"BOX", 6},  {"I", 7},    {"L", 4}};
+  const auto found = kNumber.find(type);
+  return found == kNumber.end() ? 0 : found->second;
+}
+
+BarSection section_of_shape(const std::string& type, const std::vector<double>& d) {
+  const std::size_t number = dimensions_of(type);
+  require(
+      number > 0,
+      fmt::format("SECTION={} is not known; CIRC, PIPE, RECT, BOX, I and L are, or give its constants (*BEAM "
+                  "GENERAL SECTION)",
+                  type));
+  require(d.size() >= number, fmt::format("SECTION={} has {} dimensions, not {}", type, number, d.size()));
+  const auto may_be_zero = [&](std::size_t k) {  // of I: where the node is; a flange that is not there (a T)
+    return type == "I" && (k == 0 || (k > 1 && k < 6 && d[2 + k % 2] == 0 && d[4 + k % 2] == 0));
+  };
+  for (std::size_t k = 0; k < number; ++k)
+    require(d[k] > 0 || may_be_zero(k), fmt::format("a dimension of SECTION={} is {:g}", type, d[k]));
+  if (type == "CIRC") return circle(d[0]);
+  if (type == "PIPE") {
+    require(d[0] >= d[1], "SECTION=PIPE: the wall is thicker than the radius");
+    return tube(d[0], d[0] - d[1]);
+  }
+  if (type == "RECT") return rectangle(d[0], d[1]);
+  if (type == "BOX") {  // a, b, t1 to t4 around
+    require(d[0] > d[2] + d[4] && d[1] > d[3] + d[5], "SECTION=BOX: the walls leave no hole");
+    return box(d[0], d[1], (d[2] + d[4]) / 2, (d[3] + d[5]) / 2);
+  }
+  if (type ==
+      "I") {  // l, h, b1, b2, t1, t2, t3: lower and upper flange, web; the node is l above the lower edge
+    require(d[2] + d[3] > 0, "SECTION=I: both flanges have the width 0; take SECTION=RECT");
+    require(d[1] > d[4] + d[5], "SECTION=I: the flanges are thicker than the section is high");
+    const double web = d[1] - d[4] - d[5];
+    const double shear = d[4] / 2 + flange_centre(d[4], d[2], d[5], d[3]) * (d[1] - (d[4] + d[5]) / 2);
+    BarSection s = open_section(
+        {{0, d[4] / 2, d[2], d[4]}, {0, d[4] + web / 2, d[6], web}, {0, d[1] - d[5] / 2, d[3], d[5]}}, 0,
+        shear);
+    s.node_z = d[0] - (shear - s.shear_z);
+    return s;
+  }
+  require(d[0] > d[3] && d[1] > d[2], "SECTION=L: the legs are thicker than the section");
+  return open_section(
+      {{d[0] / 2, d[2] / 2, d[0], d[2]}, {d[3] / 2, d[2] + (d[1] - d[2]) / 2, d[3], d[1] - d[2]}}, d[3] / 2,
+      d[2] / 2);
+}
+
 }  // namespace
 
 DeckProgram written_for(const std::vector<Keyword>& keywords) {
@@ -58,8 +107,7 @@ BarSection shaped_section(const Keyword& k, DeckProgram program, Unused& otherwi
   const std::string type = upper(k.get("SECTION"));
   const std::vector<double> dim = numbers_of(k, 0);
   const bool has_offset = k.has("OFFSET1") || k.has("OFFSET2");
-  const std::size_t known =
-      type == "CIRC" && program != DeckProgram::abaqus ? 2 : dimensions_of_abaqus_section(type);
+  const std::size_t known = type == "CIRC" && program != DeckProgram::abaqus ? 2 : dimensions_of(type);
   if (const std::size_t given = static_cast<std::size_t>(
           std::ranges::find_if(dim.rbegin(), dim.rend(), [](double d) { return d != 0.0; }).base() -
           dim.begin());
@@ -72,7 +120,7 @@ BarSection shaped_section(const Keyword& k, DeckProgram program, Unused& otherwi
   if (program == DeckProgram::abaqus) {
     if (has_offset)
       otherwise.add("*BEAM SECTION's OFFSET1 and OFFSET2, which Abaqus does not know, are not used", k.where);
-    return abaqus_section(type, dim);
+    return section_of_shape(type, dim);
   }
   BarSection s;
   if (type == "CIRC" && !dim.empty()) {
@@ -89,7 +137,7 @@ BarSection shaped_section(const Keyword& k, DeckProgram program, Unused& otherwi
                       t_1),
           k.where);
   } else {
-    s = abaqus_section(type, dim);
+    s = section_of_shape(type, dim);
   }
   if (has_offset) {
     s.node_y += fraction(k, "OFFSET1") * extent(s, 0);

@@ -5,7 +5,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cctype>
 #include <numbers>
 #include <stdexcept>
 
@@ -13,6 +12,7 @@
 #include "mesh/import/abaqus/abaqus_bindings.hpp"
 #include "mesh/import/abaqus/abaqus_keywords.hpp"
 #include "mesh/import/abaqus/abaqus_materials.hpp"
+#include "mesh/import/abaqus/abaqus_section_cards.hpp"
 #include "mesh/import/abaqus/abaqus_types.hpp"
 
 namespace flexura::mesh::abaqus {
@@ -66,17 +66,9 @@ class Reader {
       take_elements(k);
     else if (k.name == "NSET" || k.name == "ELSET")
       take_set(k);
-    else if (k.name == "SOLID SECTION") {
-      Section section{known(k.get("ELSET")), known(k.get("MATERIAL")), k.where};
-      if (const std::vector<double> area = numbers_of(k, 0); !area.empty()) section.area = area[0];
-      section.orientation = upper(k.get("ORIENTATION"));
-      if (k.has("COMPOSITE"))
-        throw std::invalid_argument(k.where.text() + ": *SOLID SECTION, COMPOSITE is not read");
-      here().sections.push_back(section);
-    } else if (k.name == "SHELL SECTION" || k.name == "SHELL GENERAL SECTION")
-      take_shell_section(k);
-    else if (k.name == "BEAM SECTION" || k.name == "BEAM GENERAL SECTION")
-      take_beam_section(k);
+    else if (gives_section(k.name))
+      here().sections.push_back(section_of(
+          k, program_, [this](const std::string& name) { return known(name); }, deck_));
     else if (k.name == "MASS" || k.name == "ROTARY INERTIA" || k.name == "SPRING" || k.name == "DASHPOT") {
       if (k.name == "DASHPOT" && k.has("NONLINEAR"))
         throw std::invalid_argument(
@@ -249,35 +241,6 @@ class Reader {
     }
   }
 
-  void take_beam_section(const Keyword& k) {
-    Section section{known(k.get("ELSET")), known(k.get("MATERIAL")), k.where};
-    const std::string type = upper(k.has("SECTION") ? k.get("SECTION") : "GENERAL");
-    const std::vector<double> dim = numbers_of(k, 0), n1 = numbers_of(k, 1);
-    try {
-      if (k.name == "BEAM GENERAL SECTION" && type == "GENERAL") {
-        if (dim.size() < 5) throw std::invalid_argument("A, I11, I12, I22 and J are wanted");
-        section.bar = BarSection{.A = dim[0], .I_yy = dim[1], .I_zz = dim[3], .I_yz = dim[2], .J = dim[4]};
-      } else {
-        section.bar = shaped_section(k, program_, deck_.otherwise);
-      }
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument(fmt::format("{}: *{}: {}", k.where.text(), k.name, error.what()));
-    }
-    if (n1.size() >= 3) section.n1 = Eigen::Vector3d(n1[0], n1[1], n1[2]);
-    if (k.name == "BEAM GENERAL SECTION") {  // brings its own material
-      const std::vector<double> moduli = numbers_of(k, 2);
-      if (moduli.size() < 2 || !(moduli[0] > 0) || !(moduli[1] > 0))
-        throw std::invalid_argument(k.where.text() + ": *BEAM GENERAL SECTION without E and G is not read");
-      section.material = known("section of " + section.set);
-      ImportedMaterial material;
-      material.name = section.material;
-      material.E = moduli[0], material.nu = moduli[0] / (2 * moduli[1]) - 1;
-      material.rho = k.has("DENSITY") ? to_real(k.get("DENSITY"), k.where) : 0;
-      deck_.materials.push_back(material);
-    }
-    here().sections.push_back(section);
-  }
-
   void take_surface(const Keyword& k) {
     Surface surface;
     surface.where = k.where;
@@ -342,60 +305,6 @@ class Reader {
     std::ranges::sort(own);
     const auto again = std::ranges::unique(own);
     own.erase(again.begin(), again.end());
-  }
-
-  // A line for each layer: thickness, points of integration, material, angle.
-  void take_layers(const Keyword& k, Section& section) {
-    for (const DataLine& line : k.data) {
-      if (line.fields.empty() || line.fields[0].empty()) continue;
-      Layer layer{.material = line.fields.size() > 2 ? known(line.fields[2]) : "",
-                  .thickness = to_real(line.fields[0], line.where),
-                  .angle = 0.0};
-      require_positive(layer.thickness, "*" + k.name, "layer thickness", line.where);
-      if (layer.material.empty())
-        throw std::invalid_argument(line.where.text() + ": a layer of *" + k.name + " names no material");
-      if (line.fields.size() > 3 && !line.fields[3].empty()) {
-        const char first = line.fields[3][0];
-        if (std::isalpha(static_cast<unsigned char>(first)) || first == '"')
-          throw std::invalid_argument(fmt::format(
-              "{}: a layer of *{} has the orientation {}; angles in degrees against the section's "
-              "ORIENTATION are read",
-              line.where.text(), k.name, line.fields[3]));
-        layer.angle = to_real(line.fields[3], line.where) * std::numbers::pi / 180;
-      }
-      section.layers.push_back(layer);
-    }
-    if (section.layers.empty())
-      throw std::invalid_argument(fmt::format("{}: *{}, COMPOSITE has no layers", k.where.text(), k.name));
-    if (k.has("SYMMETRIC"))
-      section.layers.insert(section.layers.end(), section.layers.rbegin(), section.layers.rend());
-    section.material = section.layers.front().material;
-    for (const Layer& layer : section.layers) section.thickness += layer.thickness;
-  }
-
-  void take_shell_section(const Keyword& k) {
-    const bool layered = k.has("COMPOSITE");
-    if (!layered && !k.has("MATERIAL"))
-      throw std::invalid_argument(k.where.text() + ": *" + k.name + " without MATERIAL is not read");
-    Section section{known(k.get("ELSET")), layered ? "" : known(k.get("MATERIAL")), k.where};
-    if (layered) {
-      take_layers(k, section);
-    } else {
-      section.thickness = to_real(field(k, 0, 0), k.where);
-      require_positive(section.thickness, "*" + k.name, "thickness", k.where);
-    }
-    if (k.has(
-            "OFFSET")) {  // of the reference surface (the nodes) from the middle, in thicknesses along the normal
-      const std::string offset = upper(k.get("OFFSET"));
-      const double fraction = offset == "SPOS" ? 0.5 : offset == "SNEG" ? -0.5 : to_real(offset, k.where);
-      section.offset = -fraction * section.thickness;
-    }
-    section.orientation = upper(k.get("ORIENTATION"));  // no matter where the material has no directions
-    for (const char* word : {"NODAL THICKNESS", "SHELL THICKNESS"})
-      if (k.has(word))
-        deck_.otherwise.add(fmt::format("*{}'s {}: the section's thickness is used", k.name, word), k.where);
-    if (k.has("STACK DIRECTION")) deck_.unused.add("*" + k.name + "'s STACK DIRECTION", k.where);
-    here().sections.push_back(section);
   }
 
   DeckProgram program_;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "mesh/import/bar_sections.hpp"
+#include "mesh/import/nastran/nastran_sections.hpp"
 
 namespace flexura::mesh {
 
