@@ -74,9 +74,7 @@ Section make_section(std::string name, const Shape& shape, const Material& mater
 /// members. Throws std::invalid_argument for different kinds.
 Shape interpolate(const Shape& first, const Shape& second, double t);
 
-/// Extreme points of the contour (and the centre where there is material) with their stresses: bending and
-/// stretch exact; torsion exact for circles and ellipses and at the mid-sides of rectangles (zero at their
-/// corners), Bredt's for hollow rectangles; shear forces by Jourawski's V Q / (I b).
+/// Extreme points of the contour, by stress_on_outline() (outline_stress.hpp), and the centre of a solid section.
 std::vector<StressPoint> stress_points(const Shape& shape, const Constants& constants);
 
 /// Contour as polygons, `n` vertices for each closed curve.
