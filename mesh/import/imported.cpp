@@ -22,6 +22,7 @@ void scale_to_si(ImportedModel& model, double length, double mass, double time) 
     for (ImportedPly& ply : material.plies) ply.thickness *= length;
   }
   for (ImportedMass& point : model.masses) {
+    point.alpha /= time;
     point.mass *= mass;
     point.offset *= length;
     point.inertia *= mass * area;

@@ -50,6 +50,7 @@ struct ImportedMass {
   double mass = 0;
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();   ///< from the node to the mass centre
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the mass centre
+  double alpha = 0;                                   ///< damping: alpha times the mass
 };
 
 /// A straight beam (CBAR, CBEAM, B31) or, without moments of inertia, a rod (CROD, T3D2): section constants in the element frame, x from node 0 to node 1, y in

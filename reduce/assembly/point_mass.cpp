@@ -72,7 +72,7 @@ void add_mass_to_interface(Part& part, int interface, const PointMass& mass) {
   const std::string name = part.interfaces[interface].name;
   const Eigen::Vector3d node = part.interfaces[interface].point;
   for (const auto& [arm, share] : equal_points(part, mass, fmt::format("interface '{}'", name)))
-    part.masses.push_back({add_tied_node(part, interface, node + arm), share});
+    part.masses.push_back({add_tied_node(part, interface, node + arm), share, mass.alpha});
 }
 
 void add_mass_to_average(Part& part, const InterfaceSpec& average, const PointMass& mass) {
@@ -85,7 +85,7 @@ void add_mass_to_average(Part& part, const InterfaceSpec& average, const PointMa
     mesh.points.row(point) = x.transpose();
     if (!mesh.node_label.empty()) mesh.node_label.push_back(-1);
     part.followers.push_back(follower_of(point, motion_at(arm), average, map));
-    part.masses.push_back({point, share});
+    part.masses.push_back({point, share, mass.alpha});
   }
 }
 
@@ -102,7 +102,7 @@ void add_mass_to_node(Part& part, const PointMass& mass) {
         mesh.points.row(point) = x.transpose();
         if (!mesh.node_label.empty()) mesh.node_label.push_back(-1);
         part.followers.push_back({point, {{mass.node, motion_at(arm)}}});
-        part.masses.push_back({point, share});
+        part.masses.push_back({point, share, mass.alpha});
       }
       return;
     }
@@ -111,7 +111,7 @@ void add_mass_to_node(Part& part, const PointMass& mass) {
         "rotations there: put it on a rigid interface",
         label));
   }
-  part.masses.push_back({mass.node, mass.mass});
+  part.masses.push_back({mass.node, mass.mass, mass.alpha});
 }
 
 }  // namespace flexura::reduce

@@ -23,6 +23,7 @@ namespace {
 // On rank 0 of a team, which has all materials and what is no cell.
 bool damps(const Part& part) {
   return std::ranges::any_of(part.materials, [](const Material& m) { return m.damping.any(); }) ||
+         std::ranges::any_of(part.masses, [](const NodalMass& m) { return m.alpha != 0.0; }) ||
          std::ranges::any_of(part.links, [](const Link& link) { return link.damping != 0.0; }) ||
          std::ranges::any_of(part.frames,
                              [](const FrameElement& f) { return f.D.size() > 0 || f.K_loss.size() > 0; }) ||
@@ -226,9 +227,10 @@ MatrixXd damping_matrix(const Part& part, const TiedModel& model, const MatrixXd
   if (sums.structural.isZero(0.0)) return D;
   const linalg::DenseEigen modes = linalg::generalized_eigen(reduction.K_se, reduction.M_se);
   const Index n = T.cols() - 6;
-  const MatrixXd Y = modes.vectors.rightCols(n),
-                 M_Y = reduction.M_se * Y *
-                       modes.values.tail(n).cwiseSqrt().cwiseSqrt().cwiseInverse().asDiagonal();
+  // Of hinges within the part round-off stands for 0, below it as well: nothing damps them.
+  const Eigen::VectorXd omega2 = modes.values.tail(n);
+  const Eigen::VectorXd share = (omega2.array() > 0.0).select(omega2.array().pow(-0.25), 0.0);
+  const MatrixXd Y = modes.vectors.rightCols(n), M_Y = reduction.M_se * Y * share.asDiagonal();
   return D + symmetric(M_Y * (Y.transpose() * symmetric(sums.structural) * Y) * M_Y.transpose());
 }
 

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/cms/damping.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "reduce/linalg/dense/dense.hpp"
@@ -28,7 +29,8 @@ void add_damping(Reduction& r, const DampingRule& rule) {
   const MatrixXd M_Y = r.M_se * modes.vectors.rightCols(n);
   Eigen::VectorXd rate(n);
   for (Eigen::Index j = 0; j < n; ++j) {
-    const double omega = std::sqrt(modes.values(6 + j));
+    const double omega =
+        std::sqrt(std::max(0.0, modes.values(6 + j)));  // round-off of hinges within the part
     rate(j) = 2.0 * damping_ratio(rule, omega) * omega + rule.alpha;
   }
   r.D_se += M_Y * rate.asDiagonal() * M_Y.transpose() + rule.beta * r.K_se;

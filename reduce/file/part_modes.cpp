@@ -94,13 +94,9 @@ RecoveryInput read_recovery(const Section& in) {
 void read_request(const Section& in, ReductionRequest& request) {
   request.modes = read_modes(in.table("modes"));
   request.damping = read_damping(in.table("damping"));
-  DampingRule& rule = request.damping;
+  const DampingRule& rule = request.damping;
   request.has_damping =
       !rule.omega.empty() || rule.critical_above > 0.0 || rule.alpha > 0.0 || rule.beta > 0.0;
-  if (rule.critical_above > 0.0 && rule.omega.empty()) {
-    rule.omega = {0.0};
-    rule.ratio = {request.modes.damping};
-  }
   request.stiffening = in.flag("stiffening");
 }
 

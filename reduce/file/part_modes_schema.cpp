@@ -120,8 +120,10 @@ TableSchema damping_schema() {
   s.keys = {
       input::quantities("frequencies", dim::frequency, "frequencies of a table, ascending"),
       input::quantities("ratios", dim::none, "ratio to critical at each; linear between, constant beyond"),
-      input::quantity("critical_above", dim::frequency,
-                      "modes from this frequency are damped critically: they follow without ringing")
+      input::quantity(
+          "critical_above", dim::frequency,
+          "modes from this frequency are damped critically: they follow without ringing; without a "
+          "table those below keep the ratio of [modes]")
           .above(0),
       input::quantity("alpha", dim::frequency,
                       "Rayleigh: times the mass matrix [1/s], less what resists rigid motion: drag of a free "

@@ -9,7 +9,6 @@
 
 #include "mbs/base/documents/document.hpp"
 #include "reduce/beams/full_modes.hpp"
-#include "reduce/cms/damping.hpp"
 #include "reduce/library/beam_stresses.hpp"
 #include "reduce/library/reduce.hpp"
 #include "reduce/library/request.hpp"
@@ -97,7 +96,7 @@ Reduced reduce(const BeamPartInput& given, const ReduceOptions& options) {
   if (const Eigen::MatrixXd Y = strike_out(input, reduction, notes, warnings); Y.size() > 0)
     beams.T = (beams.T * Y).eval();
   for (const std::string& text : warnings) notes.push_back("warning: " + text);
-  if (input.has_damping) add_damping(reduction, input.damping);
+  const double ratio = put_damping(input, false, reduction);
   for (const NodeLink& link : input.links)
     notes.push_back(fmt::format("link {}: stiffness {:.5g} N/m, damping {:.5g} N s/m", link.name,
                                 link.stiffness, link.damping));
@@ -159,7 +158,7 @@ Reduced reduce(const BeamPartInput& given, const ReduceOptions& options) {
       to_superelement(input, std::move(reduction), surface_of(structure.picture()), json.dump(1));
   se.load_cases = std::move(cases);
   se.stress = std::move(stress);
-  if (input.has_damping) se.modal_damping = 0.0;
+  se.modal_damping = ratio;
   if (input.model.members.size() <= most_members) {
     std::optional<UnitTensions> tensions;
     if (input.stiffening) tensions.emplace(structure, interfaces, input.cases);

@@ -106,8 +106,8 @@ Reduced reduce(const PartInput& input, const ReduceOptions& options) {
   for (const Material& material : part.materials)
     data.bulk_over_shear = std::max(data.bulk_over_shear, bulk_over_shear(material));
   add_hints(input, done, data);
-  if (input.has_damping) add_damping(reduction, input.damping);
   const bool damps_itself = brings_damping(input, part);
+  const double ratio = put_damping(input, damps_itself, reduction);
   if (damps_itself && !input.modes.damping_given)
     data.notes.push_back(
         "the part brings its damping along: no ratio of [modes] is added to it (damping = \"1 %\" does)");
@@ -126,7 +126,7 @@ Reduced reduce(const PartInput& input, const ReduceOptions& options) {
   se = to_superelement(input, std::move(reduction), std::move(done.picture.surface), report.json.dump(1),
                        std::move(done.vertices));
   se.mesh_error = std::move(mesh_error);
-  if (input.has_damping || (damps_itself && !input.modes.damping_given)) se.modal_damping = 0.0;
+  se.modal_damping = ratio;
   if (se.stress && !finished) add_compliance(part, stress_nodes, *se.stress);
   if (user.has_log() && options.say) options.say("where time went, by PETSc:");
   user.print_log();

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "mbs/base/documents/document.hpp"
+#include "reduce/cms/damping.hpp"
 #include "reduce/cms/shapes/shape_change.hpp"
 
 namespace flexura::reduce {
@@ -43,6 +44,15 @@ Eigen::MatrixXd strike_out(const ReductionRequest& request, Reduction& reduction
                     "{:.3g} % stiffer than the part is",
                     100.0 * struck.interface_stiffer));
   return std::move(struck.Y);
+}
+
+double put_damping(const ReductionRequest& request, bool brings_damping, Reduction& reduction) {
+  const double ratio = brings_damping && !request.modes.damping_given ? 0.0 : request.modes.damping;
+  if (!request.has_damping) return ratio;
+  DampingRule rule = request.damping;
+  if (rule.critical_above > 0.0 && rule.omega.empty()) rule.omega = {0.0}, rule.ratio = {ratio};
+  add_damping(reduction, rule);
+  return 0.0;
 }
 
 }  // namespace flexura::reduce

@@ -20,4 +20,8 @@ ReductionOptions options_of(const ReductionRequest& request);
 Eigen::MatrixXd strike_out(const ReductionRequest& request, Reduction& reduction,
                            std::vector<std::string>& notes, std::vector<std::string>& warnings);
 
+/// Adds [damping] to reduction.D_se and returns the ratio that is proposed to the runtime beside D_se: that of [modes], 0 where [damping] is
+/// given, or where the part brings its own damping and [modes] gives none.  Below `critical_above` without a table that ratio holds.
+double put_damping(const ReductionRequest& request, bool brings_damping, Reduction& reduction);
+
 }  // namespace flexura::reduce

@@ -178,7 +178,11 @@ const DeckTie* rigid_carrier(const PartMesh& part, mesh::Index node) {
 
 void take_masses(const mesh::ImportedModel& model, const std::vector<char>& in_cell, PartMesh& part) {
   for (const mesh::ImportedMass& from : model.masses) {
-    PointMass mass{.node = from.node, .mass = from.mass, .offset = from.offset, .inertia = from.inertia};
+    PointMass mass{.node = from.node,
+                   .mass = from.mass,
+                   .offset = from.offset,
+                   .inertia = from.inertia,
+                   .alpha = from.alpha};
     // At the end of a rigid arm, or of several one after the other: it moves as their reference node does.
     for (std::size_t arms = 0; arms < part.ties.size() && !in_cell[mass.node]; ++arms) {
       const DeckTie* const tie = rigid_carrier(part, mass.node);

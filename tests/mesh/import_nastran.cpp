@@ -273,6 +273,24 @@ TEST(NastranDeck, IncludesOverSeveralLines) {
   EXPECT_EQ(read_nastran(scratch.path()).bars.size(), 1u);
 }
 
+// Loss factors of plies are those of their materials; another one for the whole laminate is told.
+TEST(NastranDeck, PliesHaveTheLossFactorsOfTheirMaterials) {
+  const auto plies = [](const std::string& loss, const std::string& laminate) {
+    return "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,1.,1.,0.\nGRID,4,,0.,1.,0.\nCQUAD4,1,1,1,2,3,4\n"
+           "MAT8,3,1.35+11,1.+10,.3,5.+9,5.+9,4.+9,1600.\n,,,,,,,,\n," +
+           loss + "\nPCOMP,1,,,,,," + laminate + "\n,3,.001,0.,,3,.001,90.\n";
+  };
+  const ImportedModel model = read_text(plies(".02", ""));
+  EXPECT_EQ(model.materials.at(0).loss, 0.02);
+  EXPECT_TRUE(model.warnings.empty());
+  const ImportedModel other = read_text(plies("", ".03"));
+  EXPECT_EQ(other.materials.at(0).loss, 0.0);
+  ASSERT_EQ(other.warnings.size(), 1u);
+  EXPECT_THAT(other.warnings[0], AllOf(HasSubstr("PCOMP's GE"), HasSubstr("line 9")));
+  EXPECT_THAT(refusal(plies("-.02", "")),
+              HasSubstr("MAT8 3 has the damping GE -0.02; it must be at least 0"));
+}
+
 TEST(NastranDeck, RefusalsNameFileLineAndRemedy) {
   const std::string grids = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n";
   EXPECT_THAT(refusal(grids + "CTETRA,1,1,1,2,3,9\n"), HasSubstr("deck.bdf, line 5: node 9 does not exist"));

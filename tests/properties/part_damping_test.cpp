@@ -160,7 +160,7 @@ TEST(PartDamping, OfAMatrixIsThatOfTheFullModel) {
   }
 }
 
-// Rods between all points, of materials with damping of their own, and dampers.
+// Rods between all points, of materials with damping of their own, dampers and point masses.
 TEST(PartDamping, OfDecksIsThatOfTheFullModel) {
   const test::Folder folder;
   for (int seed = 1; seed <= 200; ++seed) {
@@ -233,6 +233,20 @@ TEST(PartDamping, OfDecksIsThatOfTheFullModel) {
                       "*ELEMENT, TYPE=DASHPOTA, ELSET=D{}\n{}, {}, {}\n*DASHPOT, ELSET=D{}\n\n{:.1f}\n",
                       label, label, a + 1, b + 1, label, c);
       }
+    for (std::size_t a = 0; a < full.x.size(); ++a) {  // point masses
+      if (!chance.flip(0.2)) continue;
+      const double mass = std::round(1e3 * chance.between(0.1, 2.0)) / 1e3,
+                   own = nastran ? alpha : std::round(1e3 * chance.between(0.1, 10.0)) / 1e3;
+      const auto A = 3 * static_cast<Index>(a);
+      full.M.block<3, 3>(A, A).diagonal().array() += mass;
+      full.D.block<3, 3>(A, A).diagonal().array() += own * mass;
+      ++label;
+      dampers += nastran
+                     ? fmt::format("CONM2,{},{},,{:.3f}\n", label, a + 1, mass)
+                     : fmt::format(
+                           "*ELEMENT, TYPE=MASS, ELSET=P{}\n{}, {}\n*MASS, ELSET=P{}, ALPHA={:.3f}\n{:.3f}\n",
+                           label, label, a + 1, label, own, mass);
+    }
     if (nastran) {
       if (G > 0.0) cards += fmt::format("PARAM,G,{:.17g}\n", G);
       if (alpha > 0.0) cards += fmt::format("PARAM,ALPHA1,{:.17g}\n", alpha);
@@ -296,14 +310,17 @@ TEST(PartDamping, OfOneMaterialIsRayleighs) {
         "*MATERIAL, NAME=M\n*ELASTIC\n2.1e11, 0.3\n*DENSITY\n7850.\n*DAMPING, ALPHA={:.17g}, BETA={:.17g}\n",
         alpha, beta);
     folder.write("part.inp", deck);
-    const std::string text = fmt::format(
+    std::string text = fmt::format(
         "[geometry]\nfile = \"part.inp\"\nunit = \"m\"\n[interface.a]\nby = \"nodes\"\nnodes = "
         "[{}]\n[interface.b]\nby = "
         "\"nodes\"\nnodes = [{}]\ntie = \"{}\"\n[modes]\ncount = {}\n",
         ends[0], ends[1], type[0] != 'C' || chance.flip(0.5) ? "rigid" : "average", chance.below(12));
+    // Far above all modes: the material's own damping holds below, and no ratio comes to it.
+    if (chance.flip(0.3)) text += "[damping]\ncritical_above = \"1e9 Hz\"\n";
     SCOPED_TRACE(deck + text);
     const Superelement se = reduce::reduce(reduce::read_part(folder.write("part.toml", text))).superelement;
     ASSERT_EQ(se.D_se.rows(), se.n());
+    EXPECT_EQ(se.modal_damping, 0.0);
     const MatrixXd R = superelement::rigid_motions(se), MR = se.M_se * R;
     const MatrixXd P =
         MatrixXd::Identity(se.n(), se.n()) - R * (R.transpose() * MR).ldlt().solve(MR.transpose());

@@ -285,6 +285,22 @@ TEST(Damping, TableGivesEveryModeItsRatio) {
   EXPECT_LT((se.D_se * R).norm(), 1e-9 * se.D_se.norm() * R.norm());
 }
 
+// A hinge within the part: round-off stands for the stiffness of its mode, below zero as well.
+TEST(Damping, HingesWithinThePartAreNotDamped) {
+  Reduction se = reduced(rod(), ModeSet::craig_bampton, 3);
+  const linalg::DenseEigen modes = linalg::generalized_eigen(se.K_se, se.M_se);
+  const VectorXd hinge = modes.vectors.col(6), next = modes.vectors.col(7), M_y = se.M_se * hinge;
+  const double round_off = 1e-9 * modes.values(6);
+  se.K_se -= modes.values(6) * M_y * M_y.transpose() + round_off * se.M_se;  // of rigid motion, too
+  DampingRule rule;
+  rule.omega = {0.0};
+  rule.ratio = {0.02};
+  add_damping(se, rule);
+  const double rate = next.dot(se.D_se * next);
+  EXPECT_NEAR(rate / (2.0 * 0.02 * std::sqrt(modes.values(7))), 1.0, 1e-9);
+  EXPECT_NEAR(hinge.dot(se.D_se * hinge) / rate, 0.0, 1e-9);
+}
+
 TEST(Damping, RayleighIsTheSumOfMassAndStiffnessOnElasticModes) {
   Reduction se = reduced(rod(), ModeSet::craig_bampton, 3);
   DampingRule rule;

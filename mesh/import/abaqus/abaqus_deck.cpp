@@ -79,7 +79,9 @@ class Reader {
                              .values = numbers_of(k, two ? 1 : 0),
                              .where = k.where,
                              .orientation = upper(k.get("ORIENTATION")),
-                             .dofs = two ? numbers_of(k, 0) : std::vector<double>()});
+                             .dofs = two ? numbers_of(k, 0) : std::vector<double>(),
+                             .alpha = k.has("ALPHA") ? to_real(k.get("ALPHA"), k.where) : 0.0});
+      require_not_negative(here().data.back().alpha, "*" + k.name, "ALPHA", k.where);
     } else if (take_binding(k, deck_)) {
       // said in the deck
     } else if (k.name == "SURFACE")

@@ -54,13 +54,14 @@ struct OtherElement {
   std::vector<std::int64_t> nodes;
   Where where;
 };
-/// *MASS, *ROTARY INERTIA, *SPRING: numbers for the elements of a set.
+/// *MASS, *ROTARY INERTIA, *SPRING, *DASHPOT: numbers for the elements of a set.
 struct ElementData {
   std::string kind, set;
   std::vector<double> values;
   Where where;
   std::string orientation = {};
   std::vector<double> dofs = {};  ///< *SPRING of SPRING2
+  double alpha = 0;               ///< of *MASS and *ROTARY INERTIA: damping in proportion to the mass
 };
 /// *COUPLING, *RIGID BODY, *MPC.
 struct TieKeyword {

@@ -189,6 +189,7 @@ void SectionPlacer::assign(const ElementData& data, const Part& part, int scope,
     const auto mass = placed_.mass_of.find(key);
     if (mass == placed_.mass_of.end()) continue;
     ImportedMass& to = placed_.model.masses[mass->second];
+    to.alpha = data.alpha;
     if (data.kind == "MASS") to.mass = data.values[0];
     if (data.kind != "ROTARY INERTIA") continue;
     std::vector<double> I = data.values;  // I11, I22, I33, I12, I13, I23: of the inertia tensor
@@ -200,10 +201,10 @@ void SectionPlacer::assign(const ElementData& data, const Part& part, int scope,
 }
 
 void SectionPlacer::finish_others() {
-  std::map<Index, std::size_t> at;
+  std::map<std::pair<Index, double>, std::size_t> at;  // by node and damping
   std::vector<ImportedMass> merged;
   for (const ImportedMass& mass : placed_.model.masses) {
-    const auto [place, fresh] = at.emplace(mass.node, merged.size());
+    const auto [place, fresh] = at.emplace(std::pair{mass.node, mass.alpha}, merged.size());
     if (fresh) {
       merged.push_back(mass);
     } else {

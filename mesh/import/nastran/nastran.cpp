@@ -149,6 +149,8 @@ void NastranReader::read_materials() {
     material.engineering =
         Eigen::Vector<double, 9>{{card->real(1), card->real(2), card->real(2), card->real(3), 0, 0, G12,
                                   card->real(5, G12), card->real(6, G12)}};
+    material.loss = card->real(16, 0);
+    require_not_negative(material.loss, fmt::format("MAT8 {}", id), "damping GE", card->where);
     deck_.add_material(id, true, material, card->where);
   }
 }
@@ -253,7 +255,10 @@ void NastranReader::finish() {
     for (std::size_t d = 0; d < 6; ++d) spring.damping[d] += beta_ * spring.stiffness[d];
   }
   for (ImportedBar& bar : deck_.model.bars) bar.extra_mass_per_length *= mass_factor_;
-  for (ImportedMass& mass : deck_.model.masses) mass.mass *= mass_factor_, mass.inertia *= mass_factor_;
+  for (ImportedMass& mass : deck_.model.masses) {
+    mass.mass *= mass_factor_, mass.inertia *= mass_factor_;
+    mass.alpha = alpha_;
+  }
   deck_.builder.finish(deck_.model);
 }
 

@@ -32,6 +32,8 @@ NastranShells::ShellProperty NastranShells::layered_property(const Card& card) {
   if (!option.empty() && option != "SYM")
     throw std::invalid_argument(fmt::format("{}: {} has LAM {}, which is not read; SYM and blank are",
                                             card.where.text(), of, option));
+  if (card.real(6, 0) != 0)
+    deck_.approximated.add("PCOMP's GE: the loss factors of the layers' materials are used", card.where);
   std::vector<ShellLayer> layers;
   std::int64_t mid = 0;
   double thickness = 0, whole = 0;

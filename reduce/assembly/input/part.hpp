@@ -47,6 +47,7 @@ struct PointMass {
   double mass = 0.0;                                  ///< [kg]
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();   ///< from the node to the mass centre [m]
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the mass centre [kg m^2]
+  double alpha = 0.0;                                 ///< [1/s], as of NodalMass
 };
 
 /// Mass that moves with a node.
