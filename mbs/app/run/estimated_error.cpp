@@ -113,6 +113,15 @@ void add_switches(const mbs::PreparedMechanism& prepared, bool is_judged, std::v
           {"switch", prepared.mechanism->name_of_root(i), {}, 0.0, "the estimate is linear about the run"});
 }
 
+// Kinematics gives bodies the shape that balances their loads, whatever they would ring by.
+void add_vibration(const mbs::PreparedMechanism& prepared, std::vector<ErrorSource>& sources) {
+  if (prepared.options.method != "kinematics") return;
+  for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies)
+    if (body.flexible)
+      sources.push_back(
+          {"vibration", body.name, {}, 0.0, "kinematics follows none; compare with method = \"radau\""});
+}
+
 // Of kinematics: positions that no row holds follow from their speeds.
 bool integrates_speeds(const mbs::PreparedMechanism& prepared) {
   if (prepared.options.method != "kinematics") return false;
@@ -218,6 +227,7 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judge
   if (const study::ElementsEstimate* const e = judges.elements)
     out.sources.push_back({"elements", fmt::format("{}", fmt::join(e->bodies, ", ")),
                            e->is_whole ? std::optional(e->error) : std::nullopt, e->error, e->note});
+  add_vibration(prepared, out.sources);
   add_switches(prepared, check && check->factor != 1.0 && !truncation, out.sources);
   // Of all bodies together, where some of their errors may cancel.
   if (truncation) out.at_least += truncation->error;

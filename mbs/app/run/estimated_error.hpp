@@ -37,7 +37,7 @@ namespace flexura::app {
 
 struct ErrorSource {
   std::string
-      kind;  ///< "integrator", "modes", "mesh", "stress", "section_forces", "stress_of_own_loads", "elements", "plane", "link", "user_element", "surface_contact", "stiffening", "switch", "dead_point"
+      kind;  ///< "integrator", "modes", "mesh", "stress", "section_forces", "stress_of_own_loads", "elements", "plane", "link", "user_element", "surface_contact", "stiffening", "switch", "vibration", "dead_point"
   std::string name;             ///< of the body or element; empty for the integrator
   std::optional<double> error;  ///< relative; nothing where it is unknown
   double at_least = 0.0;        ///< of an unknown one

@@ -34,6 +34,7 @@ std::string words_of(const std::string& kind, const std::string& names) {
   if (kind == "stiffening") return "geometric stiffening of " + names;
   if (kind == "dead_point") return "speeds and forces in rows next to a dead point";
   if (kind == "switch") return "switching of " + names;
+  if (kind == "vibration") return "vibration of " + names;
   return "user element " + names;
 }
 

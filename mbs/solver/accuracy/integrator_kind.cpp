@@ -45,7 +45,10 @@ const std::vector<IntegratorKind>& integrator_kinds() {
        .constrained_evaluation = 3.0,
        .constrained_factor = 4.0},
       {.name = "kinematics",
-       .doc = "positions, velocities, accelerations and drive forces where drives prescribe the whole motion",
+       .doc = "positions, velocities, accelerations and drive forces where drives prescribe the whole "
+              "motion; bodies "
+              "deform as their loads and the inertia of that motion have them, without vibration "
+              "(kineto-elastostatics)",
        .method = Method::kinematics,
        .integrates = false},
       {.name = "quasi_statics",

@@ -10,6 +10,8 @@
 #include "mbs/solver/algebra/remembered.hpp"
 #include "mbs/solver/linear/linearise.hpp"
 #include "mbs/solver/position/assemble.hpp"
+#include "mbs/solver/position/independent.hpp"
+#include "mbs/solver/position/quasi_static_start.hpp"
 #include "mbs/solver/statics/statics.hpp"
 
 namespace flexura::mbs {
@@ -105,6 +107,8 @@ class Sequence : public Integrator {
   StepCounts counts_;
 };
 
+/// Bodies that deform take the shape that balances their loads and the inertia of the driven motion, without vibration
+/// (kineto-elastostatics; start_quasi_static()).
 class KinematicSequence final : public Sequence {
  public:
   KinematicSequence(const Equations& eq, const SolverOptions& options) : Sequence(eq, options, "kinematics") {
@@ -114,10 +118,14 @@ class KinematicSequence final : public Sequence {
                       eq.name_of_dynamic(0)));
   }
   void start(const State& s, const Eigen::VectorXd& v_dot) override {
-    const LinearSystem system = linearise(eq_, s);
-    if (!system.independent.empty()) {
-      std::vector<std::string> names;
-      for (const int i : system.independent) names.push_back("\"" + eq_.name_of_velocity(i) + "\"");
+    std::vector<std::string> names;
+    if (list_elastic()) {
+      names = free_rigid_motion(s);
+    } else {
+      for (const int i : linearise(eq_, s).independent) names.push_back(eq_.name_of_velocity(i));
+    }
+    if (!names.empty()) {
+      for (std::string& name : names) name = "\"" + name + "\"";
       throw std::invalid_argument(fmt::format(
           "kinematics needs every freedom driven, and {} of them {} not ({} would determine the rest): drive "
           "{}, or use method = \"ida\"",
@@ -136,7 +144,16 @@ class KinematicSequence final : public Sequence {
     s.v += h * v_dot;
     s.t += h;
   }
-  void solve(State& s, Eigen::VectorXd& v_dot) const override { assemble(eq_, s, v_dot); }
+  void solve(State& s, Eigen::VectorXd& v_dot) const override {
+    if (elastic_.empty()) {
+      assemble(eq_, s, v_dot);
+      return;
+    }
+    AssembleOptions shape;  // as it was, first
+    shape.keep_position = shape.keep_velocity = is_elastic_;
+    assemble(eq_, s, v_dot, shape);
+    start_quasi_static(eq_, s, v_dot);
+  }
   bool integrates() const override { return integrates_; }
   // Positions follow from the drives but for those of drives of speed, which are integrated: by the step above, of second order, in
   // halves until one step and two differ by the tolerance.
@@ -166,7 +183,41 @@ class KinematicSequence final : public Sequence {
   }
 
  private:
+  bool list_elastic() {
+    const int n_v = eq_.sizes().n_v;
+    is_elastic_.assign(static_cast<std::size_t>(n_v), false);
+    for (int i = 0; i < n_v; ++i) {
+      int i_p = -1;
+      double stiffness = 0.0, damping = 0.0;
+      if (!eq_.elastic_coordinate(i, i_p, stiffness, damping)) continue;
+      is_elastic_[static_cast<std::size_t>(i)] = true;
+      elastic_.push_back(i);
+    }
+    return !elastic_.empty();
+  }
+  // Speeds that determine the motion that drives leave where nothing deforms.
+  std::vector<std::string> free_rigid_motion(const State& s) const {
+    const Sizes n = eq_.sizes();
+    const auto scratch = eq_.make_scratch();
+    Eigen::MatrixXd M(n.n_v, n.n_v), G(n.n_lambda, n.n_v);
+    eq_.mass_matrix(s.p, *scratch, M);
+    eq_.constraint_matrix(s, s.p, *scratch, G);
+    std::vector<int> rigid;
+    for (int i = 0; i < n.n_v; ++i)
+      if (!is_elastic_[static_cast<std::size_t>(i)]) rigid.push_back(i);
+    // What round-off leaves of rows that only deformation changes is no row.
+    Eigen::MatrixXd G_r = G(Eigen::all, rigid);
+    for (int k = 0; k < n.n_lambda; ++k)
+      if (G_r.row(k).norm() < 1e-9 * G.row(k).norm()) G_r.row(k).setZero();
+    std::vector<std::string> names;
+    for (const int i : independent_coordinates(M(rigid, rigid), G_r).independent)
+      names.push_back(eq_.name_of_velocity(rigid[static_cast<std::size_t>(i)]));
+    return names;
+  }
+
   bool integrates_ = false;
+  std::vector<int> elastic_;  // velocity coordinates that deform bodies
+  std::vector<bool> is_elastic_;
 };
 
 class StaticSequence final : public Sequence {

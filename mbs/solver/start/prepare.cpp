@@ -71,6 +71,9 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
   if (!out.file.solver.has("method") && !out.file.solver.has("max_order") && has_deformation(*out.mechanism))
     out.options.method = "radau";
   out.options.method_is_open = !out.file.solver.has("method") && !out.file.solver.has("max_order");
+  // Its rows have no vibration, the first as the others.
+  if (out.options.method == "kinematics" && has_deformation(*out.mechanism))
+    out.options.quasi_static_start = true;
   const std::optional<StateSet> set = chosen_set(out.file);
   const GivenState given = start_state(out, set, state_file);
   try {
