@@ -20,6 +20,7 @@ terminal::Command linearize_command();
 terminal::Command modes_command();
 terminal::Command new_command();
 terminal::Command outputs_command();
+terminal::Command spectrum_command();
 terminal::Command reduce_command();
 terminal::Command report_command();
 terminal::Command section_command();

@@ -114,6 +114,7 @@ inline std::vector<Writer> writers() {
            "_A.mtx"},
           {"eigen", {"eigen", "m.toml", "--frozen", "--pictures", "OUT", "-q"}, {"m.toml", "beam.se.h5"}},
           {"outputs", {"outputs", "m.toml", "r.h5", "-o", "OUT", "-q"}, {"r.h5", "m.toml", "beam.se.h5"}},
+          {"spectrum", {"spectrum", "r.h5", "--quantity", "energy.kinetic", "-o", "OUT", "-q"}, {"r.h5"}},
           {"view", {"view", "r.h5", "-o", "OUT", "-q"}, {"r.h5", "beam.se.h5"}},
           {"modes", {"modes", "beam.se.h5", "--html", "OUT", "-q"}, {"beam.se.h5"}},
           {"report", {"report", "beam.se.h5", "-o", "OUT", "-q"}, {"beam.se.h5"}},

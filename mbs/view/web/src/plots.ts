@@ -38,6 +38,30 @@ function roomy(_: uPlot, low: number, high: number): [number, number] {
   return [low - room, high + room];
 }
 
+/** Dotted lines at the orders of a speed that lie in view, the finest that leave room for their numbers. */
+function drawOrders(u: uPlot, turns: number): void {
+  const { ctx, bbox } = u;
+  const ratio = devicePixelRatio;
+  const { min, max } = u.scales.x;
+  const perPixel = (max! - min!) / (bbox.width / ratio);
+  const step = [0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500].find((s) => s * turns > 24 * perPixel);
+  if (!step) return;
+  ctx.save();
+  ctx.strokeStyle = ctx.fillStyle = cssColor('--muted');
+  ctx.font = `${10 * ratio}px system-ui, sans-serif`;
+  ctx.textAlign = 'center';
+  ctx.setLineDash([ratio, 3 * ratio]);
+  for (let order = Math.max(step, Math.ceil(min! / turns / step) * step); order * turns <= max!; order += step) {
+    const x = u.valToPos(order * turns, 'x', true);
+    ctx.beginPath();
+    ctx.moveTo(x, bbox.top + 12 * ratio);
+    ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.stroke();
+    ctx.fillText(tick(order), x, bbox.top + 9 * ratio);
+  }
+  ctx.restore();
+}
+
 /** "energy.kinetic, energy.strain" as "energy: kinetic, strain". */
 function together(names: string[]): string {
   const stems = new Set(names.map((n) => n.slice(0, n.lastIndexOf('.') + 1)));
@@ -53,7 +77,9 @@ export class PlotCard {
   private readonly place = h('div', { class: 'plot' });
   private readonly values = h('dl', { class: 'plot-values' });
   private readonly playhead = h('i', { class: 'playhead' });
+  private readonly orders: HTMLSelectElement;
   private spectral = false;
+  private speed = ''; // whose orders a spectrum shows
   private differing = false;
   private largest = new Map<string, number>(); // by unit
   private time = 0;
@@ -76,8 +102,14 @@ export class PlotCard {
       title: 'Amplitude spectrum', onclick: () => {
         this.spectral = !this.spectral;
         spectrumButton.setAttribute('aria-pressed', String(this.spectral));
+        this.orders.hidden = !this.spectral || !speeds.length;
         void this.draw();
       } }, 'Spectrum');
+    // Angular velocities of the runs: their orders are marked in spectra.
+    const speeds = [...new Set(runs.flatMap((r) => r.header.quantities.filter((q) => q.unit === 'rad/s').map((q) => q.name)))];
+    this.orders = h('select', { class: 'small', 'aria-label': 'Orders of', title: 'Marks the orders of a speed, its mean over the run',
+      hidden: true, onchange: () => { this.speed = this.orders.value; void this.draw(); } },
+      h('option', { value: '' }, 'no orders'), ...speeds.map((name) => h('option', { value: name }, `orders of ${name}`)));
     const differenceButton = h('button', { class: 'toggle small', type: 'button', 'aria-pressed': 'false',
       title: `Less the run ${runs[0]?.header.name ?? ''}`, onclick: () => {
         this.differing = !this.differing;
@@ -86,7 +118,7 @@ export class PlotCard {
       } }, 'Difference');
     this.element = h('article', { class: 'card', 'aria-label': `Plot of ${names.join(', ')}` },
       h('header', {}, h('h2', { title: doc }, together(names)), h('span', { class: 'unit' }, unit),
-        ...(new Set(this.curves.map((c) => c.run)).size > 1 ? [differenceButton] : []), spectrumButton,
+        ...(new Set(this.curves.map((c) => c.run)).size > 1 ? [differenceButton] : []), this.orders, spectrumButton,
         h('button', { class: 'icon small', type: 'button', 'aria-label': `Remove ${names.join(', ')}`, title: 'Remove',
                       onclick: () => this.deck.remove(this) }, '×')),
       this.place, this.values);
@@ -126,6 +158,7 @@ export class PlotCard {
     curves.forEach(({ unit }, i) => {
       if (isLogarithmic(unit)) tables[i][1] = Array.from(tables[i][1], (v) => (v !== null && v! >= low(unit) ? v : null));
     });
+    const turns = this.spectral && this.speed ? await this.turnsPerSecond(curves) : 0;
     // A unit, an axis: the first at the left, the second at the right.
     const units = [...new Set(curves.map((c) => c.unit))];
     const scaleOf = (unit: string) => (unit === units[0] ? 'y' : 'y2');
@@ -156,6 +189,7 @@ export class PlotCard {
         dash: c.dash, spanGaps: true, points: { show: false },
       }))],
       hooks: {
+        draw: turns > 0 ? [(u: uPlot) => drawOrders(u, turns)] : [],
         setCursor: [(u: uPlot) => {
           this.cursor = !this.spectral && u.cursor.left !== undefined && u.cursor.left >= 0
             ? u.posToVal(u.cursor.left, 'x') : null;
@@ -176,6 +210,15 @@ export class PlotCard {
       });
     }
     this.setTime(this.time);
+  }
+
+  /** The mean of the chosen speed's size over the run, in turns per second. */
+  private async turnsPerSecond(curves: Curve[]): Promise<number> {
+    for (const { run } of curves) {
+      const v = await run.quantity(this.speed);
+      if (v?.length) return v.reduce((sum, x) => sum + Math.abs(x), 0) / v.length / (2 * Math.PI);
+    }
+    return 0;
   }
 
   private get width(): number {
