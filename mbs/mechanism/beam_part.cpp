@@ -75,6 +75,18 @@ RigidInertia rigid_inertia(const BeamPart& part) {
 }
 
 std::shared_ptr<const FlexibleBody> ancf_body(const BeamPart& part) {
+  if (part.is_planar) {
+    if (const char* const reason = beam::exact::why_not_planar(part.C, part.section_inertia()))
+      throw std::invalid_argument(fmt::format(
+          "cannot be planar: {}; take planar away, or turn y_axis to where the section is symmetric",
+          reason));
+    beam::ancf::LineSection line;
+    line.EA = part.C(0, 0);
+    line.EI = part.C(5, 5);
+    line.mass_per_length = part.mass_per_length;
+    line.damping_time_axial = line.damping_time_bending = part.damping_time;
+    return planar_ancf_part(line, part.from_B, part.R_BE(), part.length(), part.elements, part.points);
+  }
   beam::ancf::BeamSection section;
   section.C = part.C;
   section.m = part.mass_per_length;

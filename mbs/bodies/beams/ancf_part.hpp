@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "beam/ancf/ancf_kinematics.hpp"
 #include "beam/ancf/body.hpp"
 #include "mbs/bodies/flexible_body.hpp"
 
@@ -18,6 +19,10 @@
 ///
 /// M_e is constant; f is the beam's internal force, nonlinear and exact.  Where B is at rest these are the
 /// equations in absolute coordinates.
+///
+/// A planar line (8 coordinates an element; A. L. Schwab, J. P. Meijaard, J. Comput. Nonlinear Dyn. 5 (2010) 011010) bends and
+/// stretches in the plane of the axis and y alone, without shear, rotary inertia of its sections or anything across; B is
+/// fixed to r and the direction of r_x at its first node.
 namespace flexura::mbs {
 
 class AncfPart final : public FlexibleBody {
@@ -29,14 +34,17 @@ class AncfPart final : public FlexibleBody {
   };
 
   /// `body` in its rest configuration, expressed in B.  Throws std::invalid_argument unless it is a spatial
-  /// or a solid beam (lines have no section frame to fix B to).
+  /// or a solid beam, or a planar line (spatial lines have no section frame to fix B to).
   AncfPart(beam::ancf::AncfBody body, std::vector<Station> stations);
+  /// A planar line along the x axis of a plane whose axes in B are the columns x, y of R, its origin at `origin`.
+  AncfPart(beam::ancf::AncfBody body, std::vector<Station> stations, const Matrix3d& R,
+           const Vector3d& origin);
 
   const beam::ancf::AncfBody& beam() const { return body_; }
   /// The coordinate of the beam that s_i adds to.
-  static int coordinate(int i) { return i < 3 ? 3 + i : 9 + i; }
+  int coordinate(int i) const { return i < n_first_ ? body_.dim() + i : n_node_ - n_first_ + i; }
   /// The s_i that adds to a coordinate of the beam; -1 where that is fixed to B.
-  static int free_of(int coordinate);
+  int free_of(int coordinate) const;
 
   std::unique_ptr<Scratch> make_scratch() const override;
   void set_position(const double* s, Scratch& scratch) const override;
@@ -59,11 +67,12 @@ class AncfPart final : public FlexibleBody {
   /// From the energy of the beam bent to an arc.
   std::optional<SlenderBeam> slender() const override;
   double amplitude(int) const override { return 1.0; }  // lengths and slopes as they are
+  std::optional<Vector3d> stiff_direction() const override;
 
  private:
   struct Work final : Scratch {
-    Eigen::VectorXd q, v, f, P_dot;  ///< n_q
-    Eigen::Matrix3Xd P;
+    Eigen::VectorXd q, v, f;          ///< n_q
+    Eigen::Matrix3Xd Q, P, P_dot, F;  ///< a column for each nodal vector, in B
   };
   struct Rates {
     Vector3d d_dot;
@@ -71,12 +80,21 @@ class AncfPart final : public FlexibleBody {
   };
   Rates take_rates(const double* s_dot, Work& work) const;
   void expand(const double* s, bool from_rest, Eigen::VectorXd& q) const;
+  void lift(const Eigen::VectorXd& q, Eigen::Matrix3Xd& Q) const;
+  Eigen::MatrixXd in_plane(const Matrix3d& W) const;
+  beam::ancf::PointKinematics evaluate(const beam::ancf::MaterialPoint& at, const Eigen::VectorXd& q,
+                                       const Eigen::VectorXd& v) const;
+  Vector3d axis(int coordinate) const { return R_.col(coordinate % body_.dim()); }
+  int vector(int coordinate) const { return coordinate / body_.dim(); }
   void add_free(const beam::ancf::BlockTridiagonal& from, MatrixRef to) const;
 
   beam::ancf::AncfBody body_;
   std::vector<Station> stations_;
-  std::vector<Matrix3d> R_rest_;  ///< of the section at each station
-  Eigen::VectorXd weight_;        ///< w, for each nodal vector
+  Matrix3d R_ = Matrix3d::Identity();   ///< axes of the beam's coordinates in B
+  Vector3d origin_ = Vector3d::Zero();  ///< and their origin
+  int n_node_, n_first_;                ///< coordinates of a node; those of the first that B leaves free
+  std::vector<Matrix3d> R_rest_;        ///< of the section at each station
+  Eigen::VectorXd weight_;              ///< w, for each nodal vector
 };
 
 /// A prismatic beam: the 6 x 6 section stiffness of a straight line in B, `elements` equal elements.
@@ -84,5 +102,10 @@ class AncfPart final : public FlexibleBody {
 std::shared_ptr<const AncfPart> straight_ancf_part(
     const beam::ancf::BeamSection& section, const Vector3d& from_B, const Vector3d& to_B,
     const Vector3d& y_axis_B, int elements, const std::vector<std::pair<std::string, double>>& stations = {});
+
+/// The planar line of the same ends, which bends in the plane of its axis and `y_axis_B`.
+std::shared_ptr<const AncfPart> planar_ancf_part(
+    const beam::ancf::LineSection& section, const Vector3d& from_B, const Matrix3d& R_BE, double length,
+    int elements, const std::vector<std::pair<std::string, double>>& stations = {});
 
 }  // namespace flexura::mbs

@@ -63,10 +63,12 @@ input::TableSchema beam_part_schema() {
              "6 x 6, of u_x, u_y, u_z, theta_x, theta_y, theta_z, in kg/m, kg, kg m; beside stiffness"),
       flag("planar",
            "it bends in the plane of its axis and y_axis alone, and is rigid across it: half the coordinates "
-           "and a third of the time or less; for the fidelities beam, rod and cable. Of the section's "
+           "and a third of the time or less; for the fidelities beam, rod, cable and ancf. Of the section's "
            "constants EA, "
            "GA_y, EI_z, mass_per_length and rho_I_z are then enough (of a rod EI_z, rho_I_z and the mass, of "
-           "a cable EA and the mass)")
+           "a cable EA and the mass; of ancf, whose planar element of eight coordinates neither shears nor "
+           "has rotary "
+           "inertia, EA, EI_z and the mass)")
           .or_default("false"),
       vector3("curvature", Dimension{{-1, 0, 0, 0}},
               "of the stress-free axis: its twist, and its curvature about the section's y and z, the same "
@@ -115,7 +117,8 @@ const char* first_given(const Section& s, const char* const (&keys)[n]) {
 void read_constants(const Section& s, const BeamUse& use, BeamPart& part) {
   const auto ignored = [&](const std::string& key) {
     return std::ranges::find(use.ignores, key) != use.ignores.end() ||
-           (part.is_planar && std::ranges::find(kAcrossThePlane, key) != std::end(kAcrossThePlane));
+           (part.is_planar && (std::ranges::find(kAcrossThePlane, key) != std::end(kAcrossThePlane) ||
+                               std::ranges::find(use.ignores_in_plane, key) != use.ignores_in_plane.end()));
   };
   // Across its plane a planar beam is rigid: any positive number stands for that.
   const double across = part.is_planar ? 1.0 : 0.0;
@@ -172,7 +175,7 @@ BeamPart read_beam_part(const Section& s, const BeamUse& use) {
   part.is_planar = s.flag("planar");
   if (part.is_planar && !use.may_be_planar)
     s.refuse("planar", "this fidelity has beams in space alone",
-             "use fidelity = \"beam\", \"rod\" or \"cable\", or take planar away");
+             "use fidelity = \"beam\", \"rod\", \"cable\" or \"ancf\", or take planar away");
   try {
     part.R_BE();
   } catch (const std::invalid_argument& error) {

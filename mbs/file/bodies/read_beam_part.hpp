@@ -14,6 +14,8 @@ input::TableSchema beam_part_schema();
 struct BeamUse {
   /// Constants of the section that it does not read.
   std::vector<std::string> ignores = {};
+  /// And of one that bends in a plane alone.
+  std::vector<std::string> ignores_in_plane = {};
   /// The stress-free axis may be curved.
   bool may_be_curved = false;
   /// It may bend in a plane alone.

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -170,7 +171,9 @@ TEST(Segments, SmallDeflectionIsThatOfTheBeamWithShear) {
   EXPECT_NEAR(-at.z(), P * (1.0 / 3.0 + 1.0 / 20.0), 1e-4 * P);
 }
 
-TEST(AncfPart, IdentitiesOfMechanicsHold) {
+class AncfParts : public testing::TestWithParam<bool> {};
+
+TEST_P(AncfParts, IdentitiesOfMechanicsHold) {
   checks::Random random(5);
   MechanismDescription d;
   d.gravity = {0.3, -9.0, 1.0};
@@ -185,6 +188,7 @@ TEST(AncfPart, IdentitiesOfMechanicsHold) {
   part.rho_I_y = 0.1;
   part.rho_I_z = 0.15;
   part.points = {{"middle", 0.4}};
+  part.is_planar = GetParam();
   const int beam = d.add_body({.name = "beam", .flexible = ancf_body(part)});
   d.add_joint("root", "revolute", d.add_marker(carrier, "hand", random.pose()),
               d.add_marker(beam, "root", random.pose(), 0));
@@ -197,6 +201,42 @@ TEST(AncfPart, IdentitiesOfMechanicsHold) {
   const Mechanism mechanism(d);
   checks::all_identities_hold(mechanism, 7);
   checks::lagrange_equations_hold(mechanism, checks::random_state(mechanism, 9, 0.3), 11);
+}
+
+INSTANTIATE_TEST_SUITE_P(SpaceAndPlane, AncfParts, testing::Values(false, true));
+
+// P L^2 / EI = 1 and 5: K. E. Bisshopp, D. C. Drucker, Quart. Appl. Math. 3 (1945) 272; tests/beam/ancf/exact/elastica.hpp.
+TEST(AncfPart, PlanarCantileversBendToTheElastica) {
+  for (const auto& [alpha, down, shorter] :
+       {std::array{1.0, 0.30172, 0.05643}, std::array{5.0, 0.71379, 0.38763}}) {
+    SCOPED_TRACE(alpha);
+    MechanismDescription d;
+    BeamPart part;
+    checks::Random random(3);
+    const Matrix3d R = random.pose().R;
+    part.from_B = {0.2, -0.1, 0.4};
+    part.to_B = part.from_B + R.col(0);
+    part.y_axis_B = R.col(1);
+    part.elements = 10;
+    part.C = Vector6d(1e4, 1e4, 1e4, 1.0, 1.0, 1.0).asDiagonal();
+    part.mass_per_length = 1e-5;
+    part.is_planar = true;
+    const int beam = d.add_body({.name = "beam", .flexible = ancf_body(part)});
+    d.add_joint("root", "fixed", d.add_marker(0, "o"), d.add_marker(beam, "root"));
+    const int tip = d.add_marker(beam, "tip", {}, 1), bob = d.add_body({.name = "bob", .inertia = {}});
+    d.bodies[static_cast<std::size_t>(bob)].inertia.mass = alpha;
+    d.bodies[static_cast<std::size_t>(bob)].inertia.inertia = Matrix3d::Identity();
+    d.add_joint("hinge", "spherical", tip, d.add_marker(bob, "centre"));
+    d.gravity = -R.col(1);
+    const Mechanism mechanism(d);
+    State s = mechanism.initial_state();
+    solve_statics(mechanism, s);
+    const Vector3d u = R.transpose() * tip_displacement(mechanism, s);
+    // The stretch P / EA is 5e-4 at most.
+    EXPECT_NEAR(-u.y(), down, 5e-4);
+    EXPECT_NEAR(-u.x(), shorter, 5e-4);
+    EXPECT_NEAR(u.z(), 0.0, 1e-12);
+  }
 }
 
 }  // namespace

@@ -151,6 +151,10 @@ TEST(FlexibleDerivatives, OfAnAncfBeam) {
     derivatives_agree_on(straight_ancf_part(beam::ancf::uncoupled_section(50, 20, 20, 3, 4, 5, 1, 0.05, 0.05),
                                             {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, elements),
                          checks::kByDifferences);
+    checks::Random random(4);
+    const Pose X = random.pose();
+    derivatives_agree_on(planar_ancf_part({.EA = 50, .EI = 4, .mass_per_length = 1}, X.p, X.R, 1.0, elements),
+                         checks::kByDifferences);
   }
 }
 
