@@ -30,6 +30,7 @@
 #include "reduce/file/flexdata_file.hpp"
 #include "reduce/file/foreign_formats.hpp"
 #include "reduce/file/part_file.hpp"
+#include "reduce/linalg/dense/blas_kernels.hpp"
 #include "reduce/linalg/dense/blas_threads.hpp"
 #include "reduce/linalg/petsc/team.hpp"
 #include "reduce/linalg/session/session.hpp"
@@ -317,6 +318,9 @@ int end(int code) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  linalg::choose_kernels(argv);
+  const std::string kernels = linalg::kernels_in_use(),
+                    version = FLEXURA_VERSION + (kernels.empty() ? "" : "\nkernels: " + kernels);
   // Under mpirun the first process reads, leads and writes; the others do their shares of elements,
   // factorisations and solves until it ends.
   std::optional<linalg::Session> session;
@@ -332,13 +336,13 @@ int main(int argc, char** argv) {
   }
   // `flexura section` is handed over as "flexura-reduce section ...".
   if (argc > 1 && std::string(argv[1]) == "section")
-    return end(terminal::run(reduce::section_command(), FLEXURA_VERSION, argc - 1, argv + 1));
+    return end(terminal::run(reduce::section_command(), version, argc - 1, argv + 1));
   const int code = terminal::run({.name = "flexura reduce",
                                   .summary = "make a superelement of a CAD part",
                                   .declare =
                                       [&](terminal::Options& options, const terminal::Verbosity& verbosity) {
                                         return declare(options, verbosity, team ? &*team : nullptr);
                                       }},
-                                 FLEXURA_VERSION, argc, argv);
+                                 version, argc, argv);
   return session ? code : end(code);  // others wait for the first process
 }
