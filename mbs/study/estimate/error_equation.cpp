@@ -52,8 +52,9 @@ ErrorEquation::ErrorEquation(const mbs::Equations& eq, const mbs::State& start,
       n_(eq.sizes()),
       scratch_(eq.make_scratch()),
       form_(eq, start),
-      real_(form_),
-      complex_(form_),
+      radau_(k_, form_),
+      gauss_(gauss_k_, form_),
+      at_once_(form_),
       weights_(eq, options),
       n_rates_(n_.n_p + n_.n_v + n_.n_dyn),
       duration_(options.end_time - options.start_time),
@@ -62,8 +63,8 @@ ErrorEquation::ErrorEquation(const mbs::Equations& eq, const mbs::State& start,
       t_begin_(start.t),
       t_end_(start.t) {
   const Index n = form_.size();
-  for (VectorXd* x : {&e_begin_, &e_end_, &y_, &yp_, &rhs_, &x_, &rates_, &e_[0], &e_[1], &e_[2], &error_.y})
-    x->setZero(n);
+  for (VectorXd* x : {&e_begin_, &e_end_, &y_, &yp_, &rhs_, &x_, &rates_, &error_.y}) x->setZero(n);
+  e_.assign(1, {e_end_, e_end_, e_end_, e_end_});
   for (VectorXd& d : d_) d.setZero(n);
   d_middle_.setZero(n);
   for (VectorXd& r : R_) r.setZero(n);
@@ -72,7 +73,7 @@ ErrorEquation::ErrorEquation(const mbs::Equations& eq, const mbs::State& start,
   rhs_c_.setZero(n);
   x_c_.setZero(n);
   for (VectorXd* p : {&p_, &p_rate_, &dp_}) p->setZero(n_.n_p);
-  for (VectorXd* v : {&v_, &dv_, &error_.v_dot}) v->setZero(n_.n_v);
+  for (VectorXd* v : {&v_, &dv_, &error_.v_dot, &greatest_run_, &greatest_, &lost_, &a_}) v->setZero(n_.n_v);
   for (VectorXd* g : {&g_, &g_dot_, &zero_}) g->setZero(n_.n_lambda);
   none_ = error_part_ = error_;
   out_ = error_.y;
@@ -123,35 +124,6 @@ bool ErrorEquation::advance(bool end) {
   return true;
 }
 
-// So many of the steps that wait, as far as one polynomial tells them; its path is laid.
-std::size_t ErrorEquation::choose_span() {
-  std::size_t steps = std::min(count_, span_);
-  const Step& first = waiting_.front();
-  for (;; steps = (steps + 1) / 2) {
-    // The accelerations that the equations were met with there, by the step before.
-    path_.lay(first.begin.state, v_dot_end_, waiting_[steps - 1].nodes[2]);
-    double off = 0.0;
-    const double allowed_p = std::max(tolerance_ * weights_.displacement(), kOfError * off_p_),
-                 allowed_v = std::max(tolerance_ * weights_.speed(), kOfError * off_v_);
-    const mbs::State& last = waiting_[steps - 1].nodes[2].state;
-    for (std::size_t i = 0; i + 1 < steps; ++i) {
-      path_.beside(waiting_[i].nodes[2].state, dp_, dv_);
-      off = std::max({off, dp_.cwiseProduct(reach_p_).lpNorm<Eigen::Infinity>() / allowed_p,
-                      dv_.cwiseProduct(reach_v_).lpNorm<Eigen::Infinity>() / allowed_v});
-    }
-    if (steps == 1 || off < 1.0) {
-      // It goes with the length to the sixth power.
-      if (steps == span_ && off < 0.03)
-        span_ = std::min(span_ + 1 + span_ / 2, longest_span_);
-      else if (steps < span_)
-        span_ = steps;
-      weights_.take(last.p, last.v);
-      speed_ = std::max(speed_, last.v.cwiseProduct(reach_v_).lpNorm<Eigen::Infinity>());
-      return steps;
-    }
-  }
-}
-
 // The run itself at a time within these steps: what the path does not tell of a state.
 void ErrorEquation::state_at(std::size_t steps, double t, Instant& out) const {
   std::size_t i = 0;
@@ -191,7 +163,8 @@ void ErrorEquation::linearise(std::size_t steps) {
     from_turns(*carried[i]);
   }
   ++linearised_;
-  h_factors_ = 0.0;
+  radau_.h = gauss_.h = 0.0;
+  has_at_once_ = false;
   is_stale_ = false;
   unchecked_ = 0;
   most_unchecked_ = 1;
@@ -208,6 +181,7 @@ void ErrorEquation::integrals(double h) {
     look(nodes_[k].w, nodes_[k].gaps, error_, d_[k]);
     add_linear(error_, d_[k]);
   }
+  if (pieces_ > 1 && is_one_step_) look_half_way(h);
   const Index n_rates = n_.n_p + n_.n_v, n_rest = form_.size() - form_.at_a();
   for (int i = 0; i < 3; ++i) {
     VectorXd& r = R_[static_cast<std::size_t>(i)];
@@ -234,20 +208,6 @@ void ErrorEquation::integrals(double h) {
   for (int i = 0; i < 3; ++i) R_[static_cast<std::size_t>(i)].segment(form_.at_c(), n_.n_dyn) = R_c.row(i);
 }
 
-// Of the last solution, in the norm of kinetic energy.
-double ErrorEquation::size_of_rates(const std::array<VectorXd, 3>& e) const {
-  double sum = 0.0;
-  for (const VectorXd& y : e)
-    sum += y.segment(form_.at_v(), n_.n_v).cwiseAbs2().dot(form_.tangents().M.diagonal());
-  return std::sqrt(sum);
-}
-
-double ErrorEquation::distance_of_rates(const std::array<VectorXd, 3>& e) const {
-  std::array<VectorXd, 3> off;
-  for (std::size_t i = 0; i < 3; ++i) off[i] = e_[i] - e[i];
-  return size_of_rates(off);
-}
-
 // One step of Newton's method from the last solution.
 void ErrorEquation::improve(double h) {
   part_ = kFollowed / std::max({kFollowed, size_of(e_begin_), size_of(e_end_)});
@@ -269,17 +229,25 @@ void ErrorEquation::carry(std::size_t steps) {
   const double h = path_.length();
   e_begin_ = e_end_;
   lay_nodes(steps);
-  has_middle_ = false;
   is_one_step_ = steps == 1;
+  pieces_ = next_pieces_;
   for (;;) {
     const bool is_fresh = is_stale_;
     if (is_fresh) linearise(steps);
     // What the error becomes by itself.
     for (VectorXd& r : R_) r.setZero();
-    for (VectorXd& e : e_) e = e_begin_;
+    for (VectorXd& d : d_) d.setZero();
+    d_middle_.setZero();
+    has_middle_ = false;
+    rings_ = false;
+    e_.assign(pieces_, {e_begin_, e_begin_, e_begin_, e_begin_});
     if (spans_ > 0 && has_cheap_matrices_) solve(h);
     predicted_ = e_;
     improve(h);
+    if (!is_lost_ && !keeps_vibration(h)) {
+      e_end_ = e_begin_;
+      continue;
+    }
     if (is_fresh || is_lost_ || ++unchecked_ < most_unchecked_) break;
     const double first = distance_of_rates(predicted_);
     predicted_ = e_;
@@ -297,34 +265,10 @@ void ErrorEquation::carry(std::size_t steps) {
         second < holds_.near * counts ? std::min(2 * most_unchecked_, holds_.most_unchecked) : 1;
     break;
   }
+  if (rings_ && !is_lost_) keep_ringing(h);
+  rang_ = rings_;
   ++spans_;
   v_dot_end_ = waiting_[steps - 1].nodes[2].v_dot;
-}
-
-void ErrorEquation::solve(double h) {
-  if (h != h_factors_) {
-    h_factors_ = h;
-    if (!real_.factor(k_.gamma / h) || !complex_.factor(k_.lambda / h)) is_lost_ = true;
-  }
-  // (1/h) sum_j B_ij F_y' (e_j - e_begin) + F_y e_i = (1/h) sum_j B_ij R_j, of rows without rates R_i
-  form_.multiply_rates(e_begin_, rates_);
-  std::array<VectorXd, 3> rhs;
-  const Index n_with = form_.at_a(), n_rest = form_.size() - n_with;
-  for (int i = 0; i < 3; ++i) {
-    rhs[i] = k_.B.row(i).sum() / h * rates_;
-    for (int j = 0; j < 3; ++j) rhs[i].head(n_with) += k_.B(i, j) / h * R_[j].head(n_with);
-    rhs[i].tail(n_rest) += R_[i].tail(n_rest);
-  }
-  rhs_ = k_.v_left(0) * rhs[0] + k_.v_left(1) * rhs[1] + k_.v_left(2) * rhs[2];
-  rhs_c_ = k_.w_left(0) * rhs[0] + k_.w_left(1) * rhs[1] + k_.w_left(2) * rhs[2];
-  real_.solve(rhs_, x_);
-  complex_.solve(rhs_c_, x_c_);
-  for (int i = 0; i < 3; ++i) e_[i] = k_.v(i) * x_ + 2.0 * (k_.w(i) * x_c_).real();
-  e_end_ = e_[2];
-  if (is_lost_ || !e_end_.allFinite()) {
-    is_lost_ = true;
-    for (VectorXd* e : {&e_[0], &e_[1], &e_[2], &e_begin_, &e_end_}) e->setZero();
-  }
 }
 
 // What the solution leaves out at a share x of the span: the quartic int d dt less the cubic R that stands for it, and what
@@ -334,23 +278,17 @@ void ErrorEquation::solve(double h) {
 void ErrorEquation::add_within(double x, VectorXd& y) {
   const double h = t_end_ - t_begin_;
   if (is_one_step_ && !has_middle_) {
-    has_middle_ = true;
     part_ = kFollowed / std::max({kFollowed, size_of(e_begin_), size_of(e_end_)});
-    error_at(0.5, h, error_);
-    look(middle_.w, middle_.gaps, error_, d_middle_);
-    add_linear(error_, d_middle_);
-    for (int k = 0; k < 4; ++k) d_middle_ -= mbs::lobatto::basis(k, 0.5) * d_[static_cast<std::size_t>(k)];
+    look_half_way(h);
   }
-  const double way = x * (1.0 - x);
   rhs_.setZero();
+  add_defects(x, h, rhs_);
   auto R = rhs_.segment(form_.at_v(), n_.n_v);
-  if (is_one_step_) R = -8.0 * way * way * (1.0 - 2.0 * x) * h * d_middle_.segment(form_.at_v(), n_.n_v);
-  for (int k = 0; k < 4; ++k)
-    R += h * integral_of_basis(k, x) * d_[static_cast<std::size_t>(k)].segment(form_.at_v(), n_.n_v);
   for (int i = 0; i < 3; ++i)
     R -= k_.basis(i, x) * R_[static_cast<std::size_t>(i)].segment(form_.at_v(), n_.n_v);
-  R *= k_.gamma / h_factors_;
-  real_.solve(rhs_, x_);
+  R *= k_.gamma / radau_.h;
+  rhs_.head(form_.at_v()).setZero();
+  radau_.real.solve(rhs_, x_);
   y.segment(form_.at_v(), n_.n_v) += x_.segment(form_.at_v(), n_.n_v);
 }
 
@@ -358,9 +296,13 @@ void ErrorEquation::at(const mbs::State& s, VectorXd& e) {
   VectorXd y = e_end_;
   if (t_end_ > t_begin_) {
     const double x = std::clamp((s.t - t_begin_) / (t_end_ - t_begin_), 0.0, 1.0);
-    y = e_begin_;
-    for (int i = 0; i < 3; ++i) y += k_.basis(i, x) * (e_[i] - e_begin_);
-    if (x > 0.0 && x < 1.0) add_within(x, y);
+    value_at(x, y);
+    if (rings_) {
+      // Of what is faster than its steps the stages of Gauss hold nothing, the ends all.
+      const auto end = static_cast<std::size_t>(std::lround(x * static_cast<double>(kMostPieces)));
+      if (end > 0) y += ringing_[end - 1];
+    }
+    if (e_.size() == 1 && x > 0.0 && x < 1.0) add_within(x, y);
   }
   e = y.head(n_rates_);
   if (path_.has_turns()) {

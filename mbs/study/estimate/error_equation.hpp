@@ -25,7 +25,8 @@
 /// J = dF/dy + dF/dy' d/dt being held over many spans: what it has changed since, and what is not linear in e, is in d.
 /// Of d integrals over the span are wanted, by Lobatto's four points.  What w itself lacks of the motion between the ends,
 /// of order six, drops out of them, as it would not of those of the integrator's own polynomial.  One step of Radau IIA,
-/// of order five, then carries e on.
+/// of order five, then carries e on: in up to eight pieces where it would damp what the error vibrates by; what even those
+/// damp is carried on by steps of Gauss, which damp nothing.
 ///
 /// Errors of poses are turns of the moving body, p_exact = p - T(p) theta, which the motion carries along: of a body that
 /// spins evenly their equation has constant coefficients (KinematicBlocks::carry_along).
@@ -70,6 +71,10 @@ class ErrorEquation {
   // Errors up to this part of the mechanism and its speed are taken off as they are; of larger ones, which one step of
   // Newton's method does not follow, what is linear.
   static constexpr double kFollowed = 0.02;
+  // A span is solved for in pieces where its own steps would damp what the error vibrates by: so much of that energy may be
+  // lost in the whole run, and so many pieces there are at most.
+  static constexpr double kLost = 0.6;
+  static constexpr std::size_t kMostPieces = 8;
 
   struct Step {
     mbs::Instant begin;
@@ -79,6 +84,17 @@ class ErrorEquation {
   struct Node {
     mbs::Instant w;
     Eigen::VectorXd gaps;
+  };
+  using Stages = std::array<Eigen::VectorXd, 3>;
+  using Piece = std::array<Eigen::VectorXd, 4>;  // its stages and its end
+  // A collocation method, and its matrices for pieces of h seconds.
+  struct Method {
+    const mbs::ThreeStages& k;
+    mbs::NewtonMatrix<double> real;
+    mbs::NewtonMatrix<std::complex<double>> complex;
+    double h = 0.0;
+    Method(const mbs::ThreeStages& tableau, const mbs::StabilisedIndex2& form)
+        : k(tableau), real(form), complex(form) {}
   };
   // The error with its rates: y in the order of the form, of p as a turn at the pose of the derivatives; v'.
   struct Error {
@@ -100,8 +116,23 @@ class ErrorEquation {
   void moved_rates(const Error& e, const mbs::Instant& at, Eigen::VectorXd& out);
   void integrals(double h);
   void solve(double h);
-  double size_of_rates(const std::array<Eigen::VectorXd, 3>& e) const;
-  double distance_of_rates(const std::array<Eigen::VectorXd, 3>& e) const;
+  void solve_pieces(Method& method, double h, std::vector<Piece>& e);
+  void defect_at(double x, double h, Eigen::VectorXd& d) const;
+  void add_defects(double x, double h, Eigen::VectorXd& R) const;
+  void look_half_way(double h);
+  std::size_t piece_at(double x) const;
+  double parabola(std::size_t i, double x) const;
+  void value_at(double x, Eigen::VectorXd& y) const;
+  const Eigen::VectorXd& begin_of(std::size_t piece) const {
+    return piece == 0 ? e_begin_ : e_[piece - 1][3];
+  }
+  void keep_ringing(double h);
+  void to_rates(const Eigen::VectorXd& e, Eigen::VectorXd& theta) const;
+  double size_of_rates(const std::vector<Piece>& e) const;
+  double distance_of_rates(const std::vector<Piece>& e) const;
+  void acceleration_at(std::size_t piece, double x, double h, Eigen::VectorXd& a) const;
+  bool keeps_vibration(double h);
+  void momentum_at(std::size_t piece, double x, double h, Eigen::VectorXd& rest, Eigen::VectorXd& force);
   void improve(double h);
   void carry(std::size_t steps);
   void add_within(double x, Eigen::VectorXd& y);
@@ -109,10 +140,12 @@ class ErrorEquation {
   const mbs::Equations& eq_;
   mbs::Sizes n_;
   mbs::RadauTableau k_;
+  mbs::GaussTableau gauss_k_;
   std::unique_ptr<mbs::Equations::Scratch> scratch_;
   mbs::StabilisedIndex2 form_;
-  mbs::NewtonMatrix<double> real_;
-  mbs::NewtonMatrix<std::complex<double>> complex_;
+  Method radau_, gauss_;
+  mbs::NewtonMatrix<double> at_once_;
+  bool has_at_once_ = false;
   mbs::ErrorWeights weights_;
   Eigen::Index n_rates_;  // p, v, c
   double duration_;
@@ -122,7 +155,6 @@ class ErrorEquation {
   bool has_cheap_matrices_ = true;
   Hold holds_ = kClose;
   int unchecked_ = 0, most_unchecked_ = 1;
-  double h_factors_ = 0.0;
   long linearised_ = 0, spans_ = 0;
 
   // Steps that wait, and how many are a span.
@@ -131,12 +163,21 @@ class ErrorEquation {
   SpanPath path_;
   std::vector<Eigen::VectorXd> turns_;
 
+  // The greatest accelerations of the run so far [m/s^2], forces of its error [N] and what a span loses of their squares (n_v).
+  Eigen::VectorXd greatest_run_, greatest_, lost_, a_;
+
   Eigen::VectorXd v_dot_end_;  // that the equations were met with at the end of the last span
 
   // The last span.
   double t_begin_ = 0.0, t_end_ = 0.0;
   Eigen::VectorXd e_begin_, e_end_;
-  std::array<Eigen::VectorXd, 3> e_, predicted_, R_;  // R: integrals of d, d itself of rows without rates
+  std::vector<Piece> e_, predicted_;  // of its pieces
+  std::size_t pieces_ = 1, next_pieces_ = 1;
+  // What the smallest pieces lose, at their ends; of the span before, whether there was any.
+  bool rings_ = false, rang_ = false;
+  std::vector<Piece> gauss_e_;
+  std::array<Eigen::VectorXd, kMostPieces> ringing_;
+  Stages R_;  // integrals of d, d itself of rows without rates
   bool is_lost_ = false;
 
   std::array<Node, 4> nodes_;
@@ -148,7 +189,7 @@ class ErrorEquation {
   double part_ = 1.0, speed_ = 1e-300, tolerance_ = 0.0, length_ = 1.0;
   Eigen::VectorXd reach_p_, reach_v_, out_, theta_;
   std::array<Eigen::VectorXd, 4> d_;
-  Eigen::VectorXd d_middle_;
+  Eigen::VectorXd d_middle_, d_there_;
   Eigen::VectorXd y_, yp_, rhs_, x_, rates_, b_, c_rate_, g_, g_dot_, zero_, p_, p_rate_, v_, dp_, dv_;
   Eigen::VectorXcd rhs_c_, x_c_;
 };

@@ -14,25 +14,29 @@ using mbs::Instant;
 using mbs::KinematicBlocks;
 using mbs::lobatto::kNode;
 
+// 1 at Radau's point i and 0 at the others.
+double ErrorEquation::parabola(std::size_t i, double x) const {
+  const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+  const std::array<double, 3>& c = k_.c;
+  return (x - c[j]) * (x - c[k]) / ((c[i] - c[j]) * (c[i] - c[k]));
+}
+
 // Of the polynomial of the last solution, at its share x of the span.
 void ErrorEquation::error_at(double x, double h, Error& out) const {
   if (part_ == 0.0) {
     out = none_;
     return;
   }
-  out.y = e_begin_;
-  for (int i = 0; i < 3; ++i) out.y += k_.basis(i, x) * (e_[i] - e_begin_);
-  out.v_dot.setZero();
-  for (int i = 0; i < 3; ++i)
-    out.v_dot += k_.slope(i, x) / h * (e_[i] - e_begin_).segment(form_.at_v(), n_.n_v);
+  value_at(x, out.y);
+  const std::size_t piece = piece_at(x);
+  const auto m = static_cast<double>(e_.size());
+  x = x * m - static_cast<double>(piece);
+  const Piece& e = e_[piece];
+  acceleration_at(piece, x, h / m, out.v_dot);
   // Multipliers and algebraic states have no value at the begin: the parabola through the stages.
   const Index n = form_.size() - form_.at_a();
   out.y.tail(n).setZero();
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-    out.y.tail(n) +=
-        (x - k_.c[j]) * (x - k_.c[k]) / ((k_.c[i] - k_.c[j]) * (k_.c[i] - k_.c[k])) * e_[i].tail(n);
-  }
+  for (std::size_t i = 0; i < 3; ++i) out.y.tail(n) += parabola(i, x) * e[i].tail(n);
 }
 
 // How large the error is, in parts of the mechanism and of its greatest speed.
@@ -155,6 +159,14 @@ void ErrorEquation::moved_rates(const Error& e, const Instant& at, VectorXd& out
   }
 }
 
+// e of p as a change of velocities' integrals.
+void ErrorEquation::to_rates(const VectorXd& e, VectorXd& theta) const {
+  theta.setZero(n_.n_v);
+  for (const KinematicBlocks::Block& block : form_.kinematics().blocks())
+    for (std::size_t i = 0; i < block.v.size(); ++i)
+      theta(block.v[i]) = block.T_inverse.row(static_cast<Index>(i)).dot(e(block.p));
+}
+
 // out += J e but for its rates of p and c.
 void ErrorEquation::add_linear(const Error& e, VectorXd& out) {
   const mbs::Tangents& d = form_.tangents();
@@ -181,10 +193,7 @@ void ErrorEquation::add_linear(const Error& e, VectorXd& out) {
   if (d.b_lambda.size() > 0) z.tail(n_.n_alg).noalias() += d.b_lambda * e_lambda;
   auto g_dot = out.segment(form_.at_lambda(), n_.n_lambda), g = out.tail(n_.n_lambda);
   g_dot.noalias() += d.G * e_v + d.h_p * e_p;
-  theta_.setZero(n_.n_v);
-  for (const KinematicBlocks::Block& block : form_.kinematics().blocks())
-    for (std::size_t i = 0; i < block.v.size(); ++i)
-      theta_(block.v[i]) = block.T_inverse.row(static_cast<Index>(i)).dot(e_p(block.p));
+  to_rates(e.y, theta_);
   g.noalias() += d.G * theta_;
   if (d.g_c.size() > 0) {
     g_dot.noalias() += d.h_c * e_c;

@@ -88,4 +88,71 @@ quantities = ["j.x", "j.y", "thread.tension"]
           }};
 }
 
+ExactMotion shaken_spring(const ShakenSpring& spring) {
+  constexpr double g = 9.81;
+  const auto [w, zeta, y0, A, W, cart] = spring;
+  const double F = A * W * W, stiff = w * w - W * W, damped = 2.0 * zeta * w * W,
+               D = stiff * stiff + damped * damped, P = F * stiff / D, Q = -F * damped / D,
+               rest = -g / (w * w), w_d = w * std::sqrt(1.0 - zeta * zeta), C = y0 - rest - Q,
+               S = (zeta * w * C - P * W) / w_d;
+  const std::string moving = fmt::format(
+      "[body.g]\nmass = 2\ninertia = [0.1, 0.1, 0.1]\n[body.g.marker.m]\n[joint.g]\ntype = "
+      "\"prismatic\"\n"
+      "from = \"ground.m\"\nto = \"g.m\"\ndrive = \"{}*sin({}*t)\"\n",
+      A, W);
+  const std::string soft = R"toml([body.soft]
+mass = 3
+inertia = [0.1, 0.1, 0.1]
+[body.soft.marker.m]
+[joint.soft]
+type = "prismatic"
+from = "ground.m"
+to = "soft.m"
+speed = 2
+[force.cart]
+type = "joint_spring_damper"
+joint = "soft"
+stiffness = 30
+)toml";
+  return {fmt::format(R"toml([ground.marker.m]
+[ground.marker.p]
+axis = [0, 1, 0]
+{}{}[body.a]
+mass = 1
+inertia = [0.1, 0.1, 0.1]
+[body.a.marker.m]
+[joint.j]
+type = "prismatic"
+from = "{}.m"
+to = "a.m"
+position = {}
+[force.s]
+type = "joint_spring_damper"
+joint = "j"
+stiffness = {}
+damping = {}
+[body.b]
+mass = 1
+inertia = [0.1, 0.1, 0.1]
+center = [0.3, 0, 0]
+[body.b.marker.p]
+axis = [0, 1, 0]
+[joint.p]
+type = "revolute"
+from = "ground.p"
+to = "b.p"
+[output]
+quantities = ["s.force"]
+)toml",
+                      A != 0.0 ? moving : "", cart ? soft : "", A != 0.0 ? "g" : "ground", y0, w * w,
+                      2.0 * zeta * w),
+          [=](double t) -> VectorXd {
+            const double decay = std::exp(-zeta * w * t), c = std::cos(w_d * t), s = std::sin(w_d * t),
+                         y = rest + P * std::sin(W * t) + Q * std::cos(W * t) + decay * (C * c + S * s),
+                         v = W * (P * std::cos(W * t) - Q * std::sin(W * t)) +
+                             decay * (w_d * (S * c - C * s) - zeta * w * (C * c + S * s));
+            return Eigen::Matrix<double, 1, 1>(-w * w * y - 2.0 * zeta * w * v);
+          }};
+}
+
 }  // namespace flexura::mbs::test

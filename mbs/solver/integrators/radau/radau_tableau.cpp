@@ -19,6 +19,25 @@ RadauTableau::RadauTableau() {
   const double a = std::cbrt(3.0), b = a * a;
   gamma = 3.0 + b - a;
   lambda = {0.5 * (9.0 - gamma), 0.5 * std::sqrt(3.0) * (b + a)};
+  take_eigenvectors();
+  e = {-(13.0 + 7.0 * r) / 3.0, (-13.0 + 7.0 * r) / 3.0, -1.0 / 3.0};
+}
+
+GaussTableau::GaussTableau() {
+  const double r = std::sqrt(15.0);
+  c = {0.5 - r / 10.0, 0.5, 0.5 + r / 10.0};
+  Eigen::Matrix3d A;
+  A << 5.0 / 36.0, 2.0 / 9.0 - r / 15.0, 5.0 / 36.0 - r / 30.0, 5.0 / 36.0 + r / 24.0, 2.0 / 9.0,
+      5.0 / 36.0 - r / 24.0, 5.0 / 36.0 + r / 30.0, 2.0 / 9.0 + r / 15.0, 5.0 / 36.0;
+  B = A.inverse();
+  // The characteristic polynomial of B is x^3 - 12 x^2 + 60 x - 120; with x = y + 4, y^3 + 12 y - 8.
+  const double a = std::cbrt(4.0 + std::sqrt(80.0)), b = std::cbrt(std::sqrt(80.0) - 4.0);
+  gamma = 4.0 + a - b;
+  lambda = {0.5 * (12.0 - gamma), 0.5 * std::sqrt(3.0) * (a + b)};
+  take_eigenvectors();
+}
+
+void ThreeStages::take_eigenvectors() {
   // Perpendicular to two rows of B - x 1.
   const Eigen::Matrix3d R = B - gamma * Eigen::Matrix3d::Identity();
   v = Eigen::Vector3d(R.row(0)).cross(Eigen::Vector3d(R.row(1))).normalized();
@@ -33,15 +52,14 @@ RadauTableau::RadauTableau() {
   const Eigen::Matrix3cd inverse = V.inverse();
   v_left = inverse.row(0).real();
   w_left = inverse.row(1);
-  e = {-(13.0 + 7.0 * r) / 3.0, (-13.0 + 7.0 * r) / 3.0, -1.0 / 3.0};
 }
 
-double RadauTableau::basis(int i, double x) const {
+double ThreeStages::basis(int i, double x) const {
   const int j = (i + 1) % 3, k = (i + 2) % 3;
   return x * (x - c[j]) * (x - c[k]) / (c[i] * (c[i] - c[j]) * (c[i] - c[k]));
 }
 
-double RadauTableau::slope(int i, double x) const {
+double ThreeStages::slope(int i, double x) const {
   const int j = (i + 1) % 3, k = (i + 2) % 3;
   return ((x - c[j]) * (x - c[k]) + x * (x - c[k]) + x * (x - c[j])) / (c[i] * (c[i] - c[j]) * (c[i] - c[k]));
 }

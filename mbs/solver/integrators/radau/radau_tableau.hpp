@@ -7,13 +7,11 @@
 
 namespace flexura::mbs {
 
-/// The constants of Radau IIA with three stages and order five (E. Hairer, G. Wanner, Solving Ordinary
-/// Differential Equations II, 2nd ed., IV.5 and IV.8):
+/// The constants of a collocation method with three stages:
 ///
 ///     B = A^-1 = (v w conj(w)) diag(gamma, lambda, conj(lambda)) (v w conj(w))^-1
-struct RadauTableau {
-  std::array<double, 3> c;  ///< nodes; the last is 1
-  std::array<double, 3> e;  ///< weights of the error estimate
+struct ThreeStages {
+  std::array<double, 3> c;  ///< nodes
   Eigen::Matrix3d B;
   double gamma;                 ///< real eigenvalue of B
   std::complex<double> lambda;  ///< and one of the complex pair
@@ -22,12 +20,27 @@ struct RadauTableau {
   Eigen::RowVector3d v_left;    ///< first row of (v w conj(w))^-1
   Eigen::RowVector3cd w_left;   ///< and the second
 
-  RadauTableau();
-
   /// At x, in steps: the polynomial of degree 3 that is 1 at node i and 0 at 0 and at the other nodes.
   double basis(int i, double x) const;
   /// Its derivative.
   double slope(int i, double x) const;
+
+ protected:
+  /// From B and its eigenvalues.
+  void take_eigenvectors();
+};
+
+/// Radau IIA, of order five (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.5 and IV.8); the
+/// last node is 1.
+struct RadauTableau : ThreeStages {
+  std::array<double, 3> e;  ///< weights of the error estimate
+
+  RadauTableau();
+};
+
+/// Gauss, of order six (IV.5): it damps no vibration, whatever its steps.
+struct GaussTableau : ThreeStages {
+  GaussTableau();
 };
 
 /// The polynomial of a step of Radau IIA: y at its beginning and the stages' Z_i = y(t_begin + c_i h) - y.
