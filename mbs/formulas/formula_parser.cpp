@@ -6,9 +6,11 @@
 #include <charconv>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include "mbs/base/documents/formula_text.hpp"
 #include "mbs/base/documents/shown_text.hpp"
+#include "mbs/base/documents/units.hpp"
 #include "mbs/formulas/operations.hpp"
 
 namespace flexura::mbs {
@@ -64,13 +66,34 @@ class Parser {
   }
 
  private:
-  [[noreturn]] void refuse_here(const std::string& why) const {
+  // The name that begins here, or the one character.
+  std::string word_here() const {
     std::size_t end = at_ + 1;
     if (at_ < text_.size() && input::is_name_character(text_[at_]))
       while (end < text_.size() && input::is_name_character(text_[end])) ++end;
-    const std::string what = at_ < text_.size() ? fmt::format("at character {}, \"{}\"", at_ + 1,
-                                                              input::shown_text(text_.substr(at_, end - at_)))
-                                                : "at its end";
+    return text_.substr(at_, end - at_);
+  }
+  // "30*t deg" is written as "30 deg" is, which is a quantity and no formula.
+  void refuse_unit() {
+    skip_blanks();
+    if (at_ == text_.size() || !input::is_name_character(text_[at_]) ||
+        (text_[at_] >= '0' && text_[at_] <= '9'))
+      return;
+    double factor = 0.0;
+    try {
+      factor = input::parse_unit(word_here()).value;
+    } catch (const std::invalid_argument&) {
+      return;
+    }
+    refuse_here(fmt::format(
+        "a unit stands behind a number alone, as in \"30 deg\", and formulas are in SI units (m, rad, s, "
+        "kg): multiply what it belongs to by {:.12g}",
+        factor));
+  }
+  [[noreturn]] void refuse_here(const std::string& why) const {
+    const std::string what =
+        at_ < text_.size() ? fmt::format("at character {}, \"{}\"", at_ + 1, input::shown_text(word_here()))
+                           : "at its end";
     throw std::invalid_argument(fmt::format("{}: {}", what, why));
   }
 
@@ -134,6 +157,7 @@ class Parser {
 
   int power_() {
     const int base = primary();
+    refuse_unit();
     if (!take("^")) return base;
     const int exponent = exponent_();
     return add_node(power, {base, exponent});
@@ -177,8 +201,12 @@ class Parser {
     if (failure != std::errc() || !std::isfinite(value))
       refuse_here("is no number that can be computed with");
     const auto next = static_cast<std::size_t>(end - text_.data());
-    if (next < text_.size() && input::is_name_character(text_[next]))
+    if (next < text_.size() && input::is_name_character(text_[next])) {
+      const std::size_t start = std::exchange(at_, next);
+      refuse_unit();
+      at_ = start;
       refuse_here("a name begins with a letter, a product needs a \"*\"");
+    }
     at_ = next;
     FormulaNode node;
     node.code = constant;

@@ -47,6 +47,7 @@ constexpr Unit units[] = {
     {"rev", 2 * pi, dim::angle},
     {"rpm", 2 * pi / 60, dim::angular_velocity},
     {"in", inch, dim::length},
+    {"inch", inch, dim::length},
     {"ft", 12 * inch, dim::length},
     {"lb", pound, dim::mass},
     {"lbf", pound_force, dim::force},

@@ -49,6 +49,8 @@ TEST(Units, ValuesAreTheDefinedOnes) {
   EXPECT_NEAR(parse_quantity("1 psi", dim::pressure), 6894.757, 5e-4);
   EXPECT_NEAR(parse_quantity("1 lbf", dim::force), 4.448222, 5e-7);
   EXPECT_NEAR(parse_quantity("1 ft", dim::length), 0.3048, 1e-15);
+  for (const char* name : {"in", "inch"})
+    EXPECT_NEAR(parse_quantity(std::string("1 ") + name, dim::length), 0.0254, 1e-15);
 }
 
 TEST(Units, PerRadianMayBeLeftOutButARadianMayNot) {

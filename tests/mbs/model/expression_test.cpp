@@ -86,7 +86,15 @@ TEST(Expression, SaysWhereAFormulaIsWrong) {
       {"2load", "at character 1, \"2load\": a name begins with a letter, a product needs a \"*\""},
       {"load(2)", "load is no function; a product needs a \"*\""},
       {"1e999", "is no number that can be computed with"},
-      {"1 & 2", "at character 3, \"&\": an operator is missing before it"}};
+      {"1 & 2", "at character 3, \"&\": an operator is missing before it"},
+      {"30*t deg", "at character 6, \"deg\": a unit stands behind a number alone"},
+      {"30 deg*t", "at character 4, \"deg\": a unit stands behind a number alone"},
+      {"30deg*t", "\"deg\": a unit stands behind a number alone"},
+      {"sin(30*t deg)", "\"deg\": a unit stands behind a number alone"},
+      {"2*(t deg)", "\"deg\": a unit stands behind a number alone"},
+      {"t mm", "multiply what it belongs to by 0.001"},
+      {"t inch", "multiply what it belongs to by 0.0254"},
+      {"t rpm", "multiply what it belongs to by 0.10471975512"}};
   for (const auto& [text, why] : wrong) EXPECT_THAT(refusal(text), ::testing::HasSubstr(why)) << text;
   EXPECT_THAT(refusal(std::string(5000, '(')), ::testing::HasSubstr("nested too deeply"));
   EXPECT_THAT(refusal(std::string(5000, '-')), ::testing::HasSubstr("nested too deeply"));
