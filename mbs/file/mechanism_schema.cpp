@@ -215,7 +215,7 @@ constexpr const char* quantities_doc =
 meanings); all are there for `simulate`, `statics` and `outputs`. Accelerations and forces are solved from the state of
 each row, positions and velocities closed onto the constraints, so that they are as accurate as the motion. Where
 constraints lose rank (a dead point, a change point) the equations do not determine the forces: a row that falls next to
-such a position can be far off in them.
+such a position can be far off in them, which the run then says.
 
 | quantities | meaning |
 |---|---|

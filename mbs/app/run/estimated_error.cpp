@@ -177,6 +177,9 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judge
          fmt::format("energy balance {}; positions of driven speeds are integrated: compare "
                      "with a smaller tolerance",
                      percent(off))});
+  } else if (mbs::kind_of(prepared.options).is_motion) {
+    // Kinematics of positions: each state stands for itself, and is as good as its loops are closed.
+    out.sources.push_back({"integrator", "", result.doubt_of_rows, 0.0, "what closing the loops leaves"});
   }
   out.of = check && !check->output.empty() ? check->output : "an output";
   if (const study::ElementsEstimate* const e = judges.elements;

@@ -12,6 +12,7 @@
 #include "mbs/solver/position/assemble.hpp"
 #include "mbs/solver/position/independent.hpp"
 #include "mbs/solver/position/quasi_static_start.hpp"
+#include "mbs/solver/position/rank_watch.hpp"
 #include "mbs/solver/statics/statics.hpp"
 
 namespace flexura::mbs {
@@ -34,7 +35,8 @@ class Sequence : public Integrator {
     // Each state for itself: formulas are as they are there.
     for (std::size_t k = 0; k < now_.root.size(); ++k) now_.root[k] = 0;
     solve(now_, v_dot_);
-    begin_ = now_;
+    from_ = begin_ = now_;
+    v_dot_from_ = v_dot_;
   }
   StepEnd step(double t_stop) override {
     StepEnd end;
@@ -43,12 +45,14 @@ class Sequence : public Integrator {
     const double least = options_.min_step > 0.0 ? options_.min_step : 1e-4 * options_.output_step;
     double h = stride;
     for (;;) {
-      State next = now_;
+      const bool has_rates = is_to_go_on_from(now_);
+      State from = has_rates ? now_ : from_, next = from;
       try {
-        Eigen::VectorXd v_dot = v_dot_;
-        advance(next, v_dot, h);
+        Eigen::VectorXd v_dot_from = has_rates ? v_dot_ : v_dot_from_, v_dot = v_dot_from;
+        advance(next, v_dot, now_.t + h - from.t);
         begin_ = now_;
-        v_dot_begin_ = v_dot_;
+        from_ = from;
+        v_dot_from_ = v_dot_from;
         now_ = next;
         v_dot_ = v_dot;
         break;
@@ -73,10 +77,10 @@ class Sequence : public Integrator {
       v_dot = v_dot_;
       return;
     }
-    // Forward: where a speed jumps at the end of the step it has jumped there already.
-    const bool is_forward = integrates() && begin_.t <= t && t < now_.t;
-    s = is_forward ? begin_ : now_;
-    v_dot = is_forward ? v_dot_begin_ : v_dot_;
+    // Forward: where a speed jumps at the end of the step it has jumped there already, and at a dead point it may be anything.
+    const bool is_forward = is_motion() && begin_.t <= t && t < now_.t;
+    s = is_forward ? from_ : now_;
+    v_dot = is_forward ? v_dot_from_ : v_dot_;
     advance(s, v_dot, t - s.t);
     s.t = t;
   }
@@ -85,25 +89,30 @@ class Sequence : public Integrator {
     const Sizes n = eq_.sizes();
     mbs::remember(history, now_, n);
     history(v_dot_);
-    if (history.reads() && v_dot_.size() != 0) require_size(v_dot_.size(), n.n_v);
+    mbs::remember(history, from_, n);
+    history(v_dot_from_);
+    for (const Eigen::VectorXd* x : {&v_dot_, &v_dot_from_})
+      if (history.reads() && x->size() != 0) require_size(x->size(), n.n_v);
     if (history.reads()) begin_ = now_;
   }
 
  protected:
   virtual void move(State& s, const Eigen::VectorXd& v_dot, double h) const = 0;  // a guess h later
-  virtual void solve(State& s, Eigen::VectorXd& v_dot) const = 0;
-  virtual void advance(State& s, Eigen::VectorXd& v_dot, double h) const {
+  virtual void solve(State& s, Eigen::VectorXd& v_dot) = 0;
+  virtual void advance(State& s, Eigen::VectorXd& v_dot, double h) {
     move(s, v_dot, h);
     solve(s, v_dot);
   }
-  /// Whether a state depends on the way to it.
-  virtual bool integrates() const { return false; }
+  /// Whether a state follows from the one before.
+  virtual bool is_motion() const { return false; }
+  /// Whether its rates lead to the next.
+  virtual bool is_to_go_on_from(const State&) { return true; }
 
   const Equations& eq_;
   SolverOptions options_;
   const char* what_;
-  State begin_, now_;  // of the last step
-  Eigen::VectorXd v_dot_begin_, v_dot_;
+  State from_, begin_, now_;  // of the last step: what it was guessed from, begin and end
+  Eigen::VectorXd v_dot_from_, v_dot_;
   StepCounts counts_;
 };
 
@@ -111,7 +120,8 @@ class Sequence : public Integrator {
 /// (kineto-elastostatics; start_quasi_static()).
 class KinematicSequence final : public Sequence {
  public:
-  KinematicSequence(const Equations& eq, const SolverOptions& options) : Sequence(eq, options, "kinematics") {
+  KinematicSequence(const Equations& eq, const SolverOptions& options)
+      : Sequence(eq, options, "kinematics"), ranks_(eq) {
     if (eq.sizes().n_dyn > 0)
       throw std::invalid_argument(
           fmt::format("kinematics alone does not integrate the dynamic state \"{}\": use method = \"ida\"",
@@ -144,20 +154,33 @@ class KinematicSequence final : public Sequence {
     s.v += h * v_dot;
     s.t += h;
   }
-  void solve(State& s, Eigen::VectorXd& v_dot) const override {
-    if (elastic_.empty()) {
-      assemble(eq_, s, v_dot);
+  void solve(State& s, Eigen::VectorXd& v_dot) override {
+    if (!elastic_.empty()) {
+      AssembleOptions shape;  // as it was, first
+      shape.keep_position = shape.keep_velocity = is_elastic_;
+      assemble(eq_, s, v_dot, shape);
+      start_quasi_static(eq_, s, v_dot);
       return;
     }
-    AssembleOptions shape;  // as it was, first
-    shape.keep_position = shape.keep_velocity = is_elastic_;
-    assemble(eq_, s, v_dot, shape);
-    start_quasi_static(eq_, s, v_dot);
+    AssembleReport report = assemble_positions(eq_, s);
+    const Eigen::VectorXd guess = s.v;
+    try {
+      assemble_velocities(eq_, s, {}, report);
+    } catch (const AssemblyError&) {
+      // On a dead point no speeds close the loops where round-off of positions asks for some.
+      if (!ranks_.is_lost(ranks_.independence(s))) throw;
+      s.v = guess;
+    }
+    AccelerationSolver(eq_).solve(s, v_dot);
   }
-  bool integrates() const override { return integrates_; }
+  bool is_motion() const override { return true; }
+  // Next to a dead point they are wrong by any amount, and those from before it lead across.
+  bool is_to_go_on_from(const State& s) override {
+    return integrates_ || eq_.sizes().n_lambda == 0 || !ranks_.is_lost(ranks_.independence(s));
+  }
   // Positions follow from the drives but for those of drives of speed, which are integrated: by the step above, of second order, in
   // halves until one step and two differ by the tolerance.
-  void advance(State& s, Eigen::VectorXd& v_dot, double h) const override {
+  void advance(State& s, Eigen::VectorXd& v_dot, double h) override {
     State whole = s;
     Eigen::VectorXd a = v_dot;
     Sequence::advance(whole, a, h);
@@ -218,6 +241,7 @@ class KinematicSequence final : public Sequence {
   bool integrates_ = false;
   std::vector<int> elastic_;  // velocity coordinates that deform bodies
   std::vector<bool> is_elastic_;
+  RankWatch ranks_;
 };
 
 class StaticSequence final : public Sequence {
@@ -227,7 +251,7 @@ class StaticSequence final : public Sequence {
 
  protected:
   void move(State& s, const Eigen::VectorXd&, double h) const override { s.t += h; }
-  void solve(State& s, Eigen::VectorXd& v_dot) const override {
+  void solve(State& s, Eigen::VectorXd& v_dot) override {
     solve_statics(eq_, s);
     v_dot = Eigen::VectorXd::Zero(s.v.size());
   }

@@ -252,15 +252,15 @@ std::string with_rank_loss(const Equations& eq, const State& s, const std::strin
       s.t, list(rows.rows(svd.matrixU().rightCols(1))), least / sigma(0), trouble.substr(0, end));
 }
 
-std::string near_rank_loss(const Equations& eq, const LoopCloser::Nearness& nearness, double misfit,
+std::string near_rank_loss(const Equations& eq, const RankWatch::Nearness& nearness, double misfit,
                            double tolerance) {
   // Rows that are near to dependent wherever the mechanism stands (a heavy body on a light one) lose no rank.
   constexpr double kComesNear = 0.1;
-  const double sigma = nearness.least;
+  const double sigma = nearness.sigma;
   if (nearness.p.size() == 0 || !nearness.p.allFinite()) return {};
-  if (!(sigma < kComesNear * nearness.largest)) return {};
-  const double doubt = std::max(nearness.doubt, misfit / (sigma * sigma));
-  if (!(doubt > 10.0 * tolerance)) return {};
+  const double by_misfit = sigma < kComesNear * nearness.largest ? misfit / (sigma * sigma) : 0.0;
+  if (!(nearness.doubt > tolerance || by_misfit > 10.0 * tolerance)) return {};
+  const double doubt = std::max(nearness.doubt, by_misfit);
   std::string which = "rows";
   const Sizes n = eq.sizes();
   if (n.n_lambda <= kMostRows) {

@@ -31,12 +31,10 @@ bool loses_rank(const Equations& eq, const State& s);
 /// it is `trouble` as it was.
 std::string with_rank_loss(const Equations& eq, const State& s, const std::string& trouble);
 
-/// One sentence where a run came so near to a position at which rows lose rank that what follows from their inverse is
-/// worse than ten times `tolerance` there, else "". With sigma their least singular value, an error e of the positions
-/// (in parts of the mechanism's size: what its parts do not fit by, and round-off) moves the mechanism by e / sigma
-/// along the motion that the rows nearly allow, which changes sigma by as much, and so speeds, accelerations and forces
-/// by e / sigma^2 of themselves.
-std::string near_rank_loss(const Equations& eq, const LoopCloser::Nearness& nearness, double misfit,
+/// One sentence where a run shows rows so near to a position at which constraints lose rank that they are worse than
+/// `tolerance`, else "": by what their loops are open by (RankWatch), or worse than ten times that by what the mechanism's
+/// parts do not fit by, `misfit` in parts of its size, as misfit / sigma^2.
+std::string near_rank_loss(const Equations& eq, const RankWatch::Nearness& nearness, double misfit,
                            double tolerance);
 
 }  // namespace flexura::mbs

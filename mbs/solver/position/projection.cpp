@@ -64,12 +64,13 @@ LoopCloser::LoopCloser(const Equations& eq, const SolverOptions& options)
       n_(eq.sizes()),
       scratch_(eq.make_scratch()),
       weights_(eq, options),
+      ranks_(eq),
       accelerations_(eq),
       enough_(std::clamp(1e-4 * options.tolerance, AccelerationSolver::at_round_off, 1e-10)) {
   if (n_.n_lambda == 0) return;
   M_.setZero(n_.n_v, n_.n_v);
   G_.setZero(n_.n_lambda, n_.n_v);
-  for (Eigen::VectorXd* x : {&g_, &g_dot_, &round_off_, &longest_}) x->setZero(n_.n_lambda);
+  for (Eigen::VectorXd* x : {&g_, &g_dot_, &round_off_}) x->setZero(n_.n_lambda);
   rest_.setZero(n_.n_v);
   p_.setZero(n_.n_p);
   at_factors_.p.setZero(n_.n_p);
@@ -91,46 +92,42 @@ void LoopCloser::factor(const State& s) {
   for (int k = 0; k < n_.n_lambda; ++k)
     round_off_(k) = kRoundOff * G_.row(k).cwiseAbs().dot(scale_.transpose());
   has_factors_ = true;
-  for (int k = 0; k < n_.n_lambda; ++k)
-    if (const double scale = saddle_.row_scale()(k); scale > 0.0)
-      longest_(k) = std::max(longest_(k), 1.0 / scale);
-  const double independence = independence_of(saddle_);
-  nearness_.largest = std::max(nearness_.largest, independence);
-  nearness_.least = std::min(nearness_.least, independence);
+  ranks_.note(saddle_);
 }
 
-// A row that vanishes (all that it joins in one line) is as bad as two that become parallel.
-double LoopCloser::independence_of(const SaddleSolver& saddle) const {
-  double shortest = 1.0;
-  for (int k = 0; k < n_.n_lambda; ++k) {
-    const double scale = saddle.row_scale()(k);
-    shortest = std::min(shortest, scale > 0.0 ? 1.0 / (scale * longest_(k)) : 0.0);
-  }
-  return shortest * saddle.independence();
+void LoopCloser::look_at_rank(State& s, bool is_shown) {
+  const double independence = ranks_.independence(s), open = kRoundOff * residuals(s).position;
+  is_near_ = ranks_.is_near(independence);
+  is_beside_dead_point_ = ranks_.is_beside(independence);
+  if (!is_shown)
+    ranks_.judge_between(independence, open);
+  else if (is_near_ && is_closed_)
+    close_to_the_last_digit(s);
 }
 
-// By factors of its own: loops close better by those from before a dead point. Positions are sums of some terms of the mechanism's
-// size.
-void LoopCloser::note_doubt(const State& s, bool is_shown) {
-  try {
-    eq_.mass_matrix(s.p, *scratch_, M_);
-    eq_.constraint_matrix(s, s.p, *scratch_, G_);
-    beside_.factor(eq_, M_, G_);
-  } catch (const std::runtime_error&) {
-    return;  // no mass matrix there: the integrator will say so
-  }
-  const double independence = independence_of(beside_),
-               open =
-                   std::max(4.0 * std::numeric_limits<double>::epsilon(), kRoundOff * residuals(s).position),
-               doubt = open / (independence * independence);
-  nearness_.least = std::min(nearness_.least, independence);
-  constexpr double kBeside = 0.01;
-  is_beside_dead_point_ = independence < kBeside * nearness_.largest;
-  if (!is_shown) nearness_.doubt_between = std::max(nearness_.doubt_between, doubt);
-  if (!is_shown || !(doubt > nearness_.doubt)) return;
-  nearness_.doubt = doubt;
-  nearness_.t = s.t;
-  nearness_.p = s.p;
+// While it comes nearer: a correction that round-off asks for is as long as that over sigma.
+void LoopCloser::close_to_the_last_digit(State& s) {
+  factor(s);
+  Residuals size = residuals(s);
+  for (const bool of_position : {true, false})
+    for (int iteration = 0; iteration < 5; ++iteration) {
+      trial_ = s;
+      if (of_position)
+        correct_position(trial_);
+      else
+        correct_velocity(trial_);
+      const Residuals now = residuals(trial_);
+      const bool is_better =
+          of_position ? now.position < 0.5 * size.position : now.velocity < 0.5 * size.velocity;
+      if (is_better) {
+        s.p = trial_.p;
+        s.v = trial_.v;
+        size = now;
+      } else {
+        residuals(s);
+        break;
+      }
+    }
 }
 
 // In units of round-off, which grows with the speeds for those on velocity level.
@@ -216,13 +213,9 @@ LoopCloser::Drift LoopCloser::close(State& s, bool is_shown) {
     residuals(s);
   }
   is_closed_ = is_closed;
-  is_beside_dead_point_ = false;
-  constexpr double kNear = 0.1;
-  if (!is_closed || independence_of(saddle_) < kNear * nearness_.largest) {
-    const Drift drift = drift_;
-    note_doubt(s, is_shown);
-    drift_ = drift;
-  }
+  is_near_ = is_beside_dead_point_ = false;
+  // Old factors close loops and say nothing of the rows here.
+  if (is_shown || !is_closed || ranks_.is_near(ranks_.independence(saddle_))) look_at_rank(s, is_shown);
   return drift_;
 }
 
@@ -231,9 +224,9 @@ void LoopCloser::accelerate(State& s, Eigen::VectorXd& v_dot) {
   v_dot_0_ = v_dot;
   bool is_solved = false;
   try {
-    if (!is_closed_ || eq_.algebraic_is_coupled()) {
+    if (!is_closed_ || is_near_ || eq_.algebraic_is_coupled()) {
       // Near a dead point multipliers grow beyond bounds: those of the state are nearer than what stands at the ends of
-      // a long step.
+      // a long step, or than what old factors leave.
       accelerations_.solve(s, v_dot);
       is_solved = true;
     } else if (n_.n_lambda == 0) {
@@ -272,12 +265,7 @@ void LoopCloser::remember(History& history) {
   history(at_factors_.t);
   mbs::remember(history, at_factors_.p, n_.n_p);
   mbs::remember(history, at_factors_.c, n_.n_dyn);
-  for (double* x :
-       {&nearness_.least, &nearness_.largest, &nearness_.doubt, &nearness_.doubt_between, &nearness_.t})
-    history(*x);
-  history(nearness_.p);
-  mbs::remember(history, longest_, n_.n_lambda);
-  if (history.reads() && nearness_.p.size() > 0) require_size(nearness_.p.size(), n_.n_p);
+  ranks_.remember(history);
   if (history.reads() && has_factors_) factor(State(at_factors_));
 }
 

@@ -10,6 +10,7 @@
 #include "mbs/solver/algebra/accelerations.hpp"
 #include "mbs/solver/algebra/history.hpp"
 #include "mbs/solver/algebra/saddle.hpp"
+#include "mbs/solver/position/rank_watch.hpp"
 
 /// Back onto the constraints by the smallest change in the norm of M, from nearby (the end of a step):
 ///     position   p <- retract(p, d),  M d + G^T x = 0,  G d = -g             simplified Newton
@@ -44,25 +45,15 @@ class LoopCloser {
     double position = 0.0, velocity = 0.0;
   };
 
-  /// How near the rows came to depending on each other, see SaddleSolver::independence().
-  struct Nearness {
-    double least = 1.0, largest = 0.0;
-    /// The largest of |g| left open, in parts of the mechanism's size, over independence^2: what it may change speeds and
-    /// forces by, in parts of themselves.
-    double doubt = 0.0;
-    double doubt_between = 0.0;  ///< of states that the energy account alone sees
-    double t = 0.0;              ///< of the largest doubt
-    Eigen::VectorXd p;           ///< there
-  };
-
   LoopCloser(const Equations& eq, const SolverOptions& options);
 
   /// Positions and velocities of a row, which may lie inside a long step whose polynomial closes loops less
   /// well, of a switch or of the end of a run.  Leaves s as it was where Newton's method takes less than nine
   /// tenths of g away at once and positions would change by more than ten times the error allowed in a step:
-  /// near a dead point, where the residual says little about the distance.  Returns what is left open.
-  /// `is_shown`: as a row, not to the energy account alone.
-  Drift close(State& s, bool is_shown = true);
+  /// near a dead point, where the residual says little about the distance.  States near a loss of rank are closed to the last
+  /// digit: what is left would grow by powers of 1 / sigma.  Returns what is left open.
+  /// `is_shown`: as a row, not to an account alone; its rank is looked at then, and judge() follows.
+  Drift close(State& s, bool is_shown = false);
   /// The same of s as it is.
   Drift drift(const State& s);
   /// After close(): accelerations and multipliers that belong to the state, by the same factorisation, in
@@ -72,12 +63,14 @@ class LoopCloser {
   void accelerate(State& s, Eigen::VectorXd& v_dot);
   /// Of the last close(): rows nearly lose rank there, so that the nearest closed state may be far.
   bool is_beside_dead_point() const { return is_beside_dead_point_; }
-  /// Of all states given to close() so far.
-  const Nearness& nearness() const { return nearness_; }
+  /// After accelerate(), of a row: what it is worth where rows come near to depending on each other.
+  void judge(const State& s, const Eigen::VectorXd& v_dot) { ranks_.judge(s, v_dot); }
+  /// Of all states given to close() and judge() so far.
+  const RankWatch::Nearness& nearness() const { return ranks_.nearness(); }
   /// Of rows that are others now.
   void forget_factors() {
     has_factors_ = false;
-    longest_.setZero();
+    ranks_.forget_rows();
   }
   /// Where the factorisation was made, so that a continued run repeats the unbroken one to the bit.
   void remember(History& history);
@@ -89,8 +82,8 @@ class LoopCloser {
     bool closed() const { return larger() <= 1.0; }
   };
   void factor(const State& s);
-  double independence_of(const SaddleSolver& saddle) const;
-  void note_doubt(const State& s, bool is_shown);
+  void look_at_rank(State& s, bool is_shown);
+  void close_to_the_last_digit(State& s);
   Residuals residuals(const State& s);
   void correct_position(State& s);
   void correct_velocity(State& s);
@@ -100,19 +93,18 @@ class LoopCloser {
   Sizes n_;
   std::unique_ptr<Equations::Scratch> scratch_;
   ErrorWeights weights_;
-  SaddleSolver saddle_, beside_;
+  SaddleSolver saddle_;
+  RankWatch ranks_;
   AccelerationSolver accelerations_;
   double
       enough_;  // what accelerations may lack, relative: 1e-4 of the tolerance, between round-off and 1e-10
-  bool has_factors_ = false, is_closed_ = true,
-       is_beside_dead_point_ = false;  // the latter two of the last close()
+  bool has_factors_ = false, is_closed_ = true, is_near_ = false,
+       is_beside_dead_point_ = false;  // the latter three of the last close()
   State at_factors_;                   // t, p and c
   Drift drift_;                        // at the last residuals()
-  Nearness nearness_;
   State trial_;
   Eigen::MatrixXd M_, G_;
-  Eigen::VectorXd g_, g_dot_, round_off_, rest_, d_, x_, p_, scale_, w_, change_, v_dot_0_,
-      longest_;  // of each row so far, in units of the coordinates' inertia
+  Eigen::VectorXd g_, g_dot_, round_off_, rest_, d_, x_, p_, scale_, w_, change_, v_dot_0_;
 };
 
 }  // namespace flexura::mbs

@@ -115,7 +115,7 @@ void Bookkeeper::show(State& s, const Eigen::VectorXd& v_dot) {
 }
 
 const RowWatch::Opening& Bookkeeper::close(State& s) {
-  LoopCloser::Drift left = closer_.close(s);
+  LoopCloser::Drift left = closer_.close(s, true);
   const RowWatch::Opening& open = watch_.look(s);
   left.position = std::max(left.position, open.drift);
   left.velocity = std::max(left.velocity, open.drift_rate);
@@ -138,6 +138,7 @@ void Bookkeeper::close_row(Instant& row) {
   if (std::max(open.left_out, kept) > allowed_)
     throw IntegrationError(watch_.complaint(given.t, given.t, allowed_));
   closer_.accelerate(row.state, row.v_dot);
+  closer_.judge(row.state, row.v_dot);
 }
 
 void Bookkeeper::drain_what_can_be() noexcept {

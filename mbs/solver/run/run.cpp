@@ -262,6 +262,7 @@ void Runner::open() {
       if (result_.state.root != before) accelerations_.solve(result_.state, result_.v_dot);
     }
     books_.book().start(result_.state, result_.v_dot);
+    if (keeps_book_) books_.closer().judge(result_.state, result_.v_dot);
     rows_.give(result_.state, result_.v_dot);
   }
   if (!(options_.end_time > result_.state.t)) return;
@@ -312,6 +313,12 @@ RunResult Runner::run() {
   if (keeps_book_ && !is_lock_)
     result_.near_rank_loss =
         near_rank_loss(eq_, books_.closer().nearness(), books_.watch().misfit(), options_.tolerance);
+  if (keeps_book_) {
+    const RankWatch::Nearness& nearness = books_.closer().nearness();
+    result_.doubt_of_rows = result_.near_rank_loss.empty()
+                                ? std::max(nearness.doubt, nearness.doubt_elsewhere)
+                                : nearness.doubt_elsewhere;
+  }
   result_.doubt_of_energy =
       std::max(books_.closer().nearness().doubt, books_.closer().nearness().doubt_between);
   result_.largest_energy_error = std::max(before_.largest_energy_error, peaks.energy_error);

@@ -79,6 +79,9 @@ struct RunResult {
       method_hint;  ///< where another method would have been much faster, else empty (method_watch.hpp)
   std::string
       near_rank_loss;  ///< where rows came so near to depending on each other that forces suffer, else empty
+  /// By what speeds, accelerations and reactions of rows, but for those that near_rank_loss tells of, may be off by what their
+  /// loops are open by, in parts of themselves.
+  double doubt_of_rows = 0.0;
   /// By what reactions that the energy account integrates may be off, in parts of themselves: next to dead points.
   double doubt_of_energy = 0.0;
   long time_events = 0;  ///< known beforehand: jumps of functions of time
