@@ -22,28 +22,55 @@ MatrixXd marker_loads(const BodyNodes& nodes, const MarkerDescription& marker) {
   return node_loads(node, marker.X_BP.p) * axes;
 }
 
-/// What a joint does with the six directions (rotations first, as in a twist) of one of its frames.
-struct Directions {
-  std::vector<int> locked;    ///< at q
-  std::vector<int> released;  ///< rotations that it lets free by themselves
-};
-
-Directions directions_at(const Joint& joint, const std::vector<double>& q, bool in_M) {
+/// Columns of free motion (rotations first, as in a twist) at the origin of F or of M, in its axes.
+MatrixXd free_motion(const Joint& joint, const std::vector<double>& q, bool in_M) {
   MotionMatrix S(6, joint.n_v());
   joint.motion(q.data(), S);
-  if (in_M) {
-    const Matrix3d R = joint.pose(q.data()).R;
-    S.topRows<3>() = (R.transpose() * S.topRows<3>()).eval();
-    S.bottomRows<3>() = (R.transpose() * S.bottomRows<3>()).eval();
+  const Pose X = joint.pose(q.data());
+  for (Eigen::Index k = 0; k < S.cols(); ++k) {
+    const Vector3d w = S.col(k).head<3>(), u = S.col(k).tail<3>();
+    if (in_M)
+      S.col(k) << X.R.transpose() * w, X.R.transpose() * u;
+    else
+      S.col(k).tail<3>() = u - w.cross(X.p);  // of the point that is at Fo now
   }
-  Directions out;
-  for (int k = 0; k < 6; ++k)
-    if (S.row(k).isZero(1e-12)) out.locked.push_back(k);
+  return S;
+}
+
+/// What is orthogonal to the free motions: directions of the frame's axes first, then the combinations by which the joint
+/// ties others (a thread: z and the turn about it).
+MatrixXd locked_by(const MatrixXd& S) {
+  MatrixXd locked(6, 0);
+  const auto add = [&](const Eigen::VectorXd& direction) {
+    locked.conservativeResize(Eigen::NoChange, locked.cols() + 1);
+    locked.rightCols<1>() = direction;
+  };
+  std::vector<int> moving;
+  for (int k = 0; k < 6; ++k) {
+    if (S.row(k).isZero(1e-12))
+      add(Eigen::VectorXd::Unit(6, k));
+    else
+      moving.push_back(k);
+  }
+  if (moving.empty()) return locked;
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(S(moving, Eigen::all));
+  const MatrixXd Q = qr.householderQ();
+  for (Eigen::Index k = qr.rank(); k < Q.cols(); ++k) {
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(6);
+    direction(moving) = Q.col(k);
+    add(direction);
+  }
+  return locked;
+}
+
+/// Rotations that the motions let free by themselves.
+std::vector<int> released_by(const MatrixXd& S) {
+  std::vector<int> out;
   if (S.cols() == 0) return out;
   const Eigen::CompleteOrthogonalDecomposition<MatrixXd> span(S);
   for (int k = 0; k < 3; ++k) {
     const Eigen::VectorXd e = Eigen::VectorXd::Unit(6, k);
-    if ((S * span.solve(e) - e).norm() < 1e-9) out.released.push_back(k);
+    if ((S * span.solve(e) - e).norm() < 1e-9) out.push_back(k);
   }
   return out;
 }
@@ -60,16 +87,16 @@ std::vector<std::vector<double>> some_configurations(const Joint& joint) {
   return out;
 }
 
-/// Where its frames coincide.
-std::vector<int> locked_directions(const Joint& joint) {
-  return directions_at(joint, some_configurations(joint).front(), false).locked;
+/// 6 x k, where its frames coincide.
+MatrixXd locked_directions(const Joint& joint) {
+  return locked_by(free_motion(joint, some_configurations(joint).front(), false));
 }
 
 /// Rotations about axes that stand still in the frame and that it lets free wherever it is.
 std::vector<int> released_rotations(const Joint& joint, bool in_M) {
   std::vector<int> out = {0, 1, 2};
   for (const auto& q : some_configurations(joint)) {
-    const std::vector<int> here = directions_at(joint, q, in_M).released;
+    const std::vector<int> here = released_by(free_motion(joint, q, in_M));
     std::erase_if(out, [&](int k) { return std::ranges::find(here, k) == here.end(); });
   }
   return out;
@@ -85,9 +112,10 @@ int marker_on(const MechanismDescription& d, const JointDescription& joint, int 
 
 bool locks_the_same_wherever_it_is(const MechanismDescription& d, const JointDescription& joint, int body) {
   const bool in_M = marker_on(d, joint, body) == joint.marker_M;
-  const std::vector<int> at_first = locked_directions(*joint.joint);
+  const MatrixXd at_first = locked_directions(*joint.joint);
   return std::ranges::all_of(some_configurations(*joint.joint), [&](const std::vector<double>& q) {
-    return directions_at(*joint.joint, q, in_M).locked == at_first;
+    const MatrixXd S = free_motion(*joint.joint, q, in_M);
+    return (at_first.transpose() * S).isZero(1e-9) && locked_by(S).cols() == at_first.cols();
   });
 }
 
@@ -144,11 +172,18 @@ const JointDescription* joint_to_payload(const MechanismDescription& d, int body
 MatrixXd held_directions(const BodyNodes& nodes, const MechanismDescription& d, const JointDescription& joint,
                          int body) {
   const MarkerDescription& marker = d.markers[marker_on(d, joint, body)];
-  const MatrixXd all = marker_loads(nodes, marker);
-  const std::vector<int> locked = locked_directions(*joint.joint);
-  MatrixXd held(all.rows(), locked.size());
-  for (std::size_t k = 0; k < locked.size(); ++k) held.col(k) = all.col(locked[k]);
-  return held;
+  return marker_loads(nodes, marker) * locked_directions(*joint.joint);
+}
+
+bool keeps(const superelement::Superelement& se, const BodyNodes& nodes, const MechanismDescription& d,
+           const JointDescription& joint, int body) {
+  const MarkerDescription& marker = d.markers[marker_on(d, joint, body)];
+  BodyNode rigid;  // in the coordinates of rigid motions
+  rigid.rows = MatrixXd::Identity(6, 6);
+  rigid.rows.topRightCorner<3, 3>() = -skew(nodes[marker.node].p_BoN_B);
+  const MatrixXd whole = held_directions(BodyNodes(nodes.size(), rigid), d, joint, body),
+                 kept = superelement::rigid_motions(se).transpose() * held_directions(nodes, d, joint, body);
+  return (kept - whole).norm() <= 1e-6 * whole.norm();
 }
 
 MatrixXd held_by_joints(const superelement::Superelement& se, const BodyNodes& nodes,
@@ -165,11 +200,12 @@ MatrixXd held_by_joints(const superelement::Superelement& se, const BodyNodes& n
     for (const JointDescription& joint : d.joints) {
       const int marker = marker_on(d, joint, body);
       if (marker < 0 || d.markers[marker].node < 0) continue;
+      const MatrixXd all = locked_directions(*joint.joint);
       std::vector<int> locked;
-      for (const int k : locked_directions(*joint.joint))
-        if ((k >= 3) == displacements) locked.push_back(k);
+      for (int k = 0; k < static_cast<int>(all.cols()); ++k)
+        if (!all.col(k).tail<3>().isZero(0.0) == displacements) locked.push_back(k);
       if (locked.empty()) continue;
-      const MatrixXd loads = marker_loads(nodes, d.markers[marker])(Eigen::all, locked);
+      const MatrixXd loads = marker_loads(nodes, d.markers[marker]) * all(Eigen::all, locked);
       MatrixXd rows = loads.transpose() * R;  // columns of R: translations, then rotations
       if (displacements) rows.rightCols<3>() /= size;
       for (int pass = 0; pass < 2; ++pass) rows -= (rows * basis * basis.transpose()).eval();
@@ -245,12 +281,12 @@ std::array<bool, 6> loaded_directions(const BodyNodes& nodes, const MechanismDes
     const int marker = marker_on(d, joint, body);
     if (!is_here(marker)) continue;
     BodyNodes alone(nodes.size(), six);
-    const MatrixXd all = marker_loads(alone, d.markers[marker]);
+    const MatrixXd loads = marker_loads(alone, d.markers[marker]) *
+                           (joint.is_driven() ? Matrix6d::Identity() : locked_directions(*joint.joint));
     constexpr double kParallel = 1e-9;
-    for (const int k :
-         joint.is_driven() ? std::vector<int>{0, 1, 2, 3, 4, 5} : locked_directions(*joint.joint))
+    for (Eigen::Index k = 0; k < loads.cols(); ++k)
       for (int row = 0; row < 6; ++row)
-        out[row] = out[row] || std::abs(all(row, k)) > kParallel * all.col(k).norm();
+        out[row] = out[row] || std::abs(loads(row, k)) > kParallel * loads.col(k).norm();
   }
   return out;
 }

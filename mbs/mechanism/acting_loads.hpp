@@ -28,9 +28,14 @@ const JointDescription* frame_joint(const MechanismDescription& d, int body);
 /// is none.
 const JointDescription* joint_to_payload(const MechanismDescription& d, int body);
 
-/// n_se x k: the directions that the joint locks at its marker on the body.
+/// n_se x k: the directions that the joint locks at its marker on the body, those along which it ties a translation to a turn
+/// (a thread) by what it ties.
 Eigen::MatrixXd held_directions(const BodyNodes& nodes, const MechanismDescription& d,
                                 const JointDescription& joint, int body);
+
+/// True where the node keeps all that these directions are made of: rigid motions of the body go through them, then.
+bool keeps(const superelement::Superelement& se, const BodyNodes& nodes, const MechanismDescription& d,
+           const JointDescription& joint, int body);
 
 /// Where the joints hold a body: at most six of the directions that they lock, independent for a rigid body,
 /// displacements before rotations, in the order of the file.

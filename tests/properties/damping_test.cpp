@@ -96,5 +96,63 @@ TEST(Damping, OfARatioIsThatOfTheModesThatTheJointLeaves) {
   });
 }
 
+// A body of few modes on a joint of any type: Ritz's method with the rigid motions and the lowest modes of the body as that joint
+// holds it, or free where what it locks moves in the body.
+TEST(Damping, FewModesAreThoseOfTheBodyAsItsJointHoldsIt) {
+  struct Kind {
+    JointCase joint;
+    bool holds_from, holds_to;  // as the first or the second of its bodies
+  };
+  // What a universal or homokinetic joint locks turns with one shaft; a line or plane moves past the point that is led on it.
+  const Kind kinds[] = {{{"fixed", {0, 1, 2, 3, 4, 5}}, true, true},
+                        {{"revolute", {0, 1, 2, 3, 4}}, true, true},
+                        {{"prismatic", {0, 1, 3, 4, 5}}, true, true},
+                        {{"cylindrical", {0, 1, 3, 4}}, true, true},
+                        {{"spherical", {0, 1, 2}}, true, true},
+                        {{"planar", {2, 3, 4}}, true, true},
+                        {{"orientation", {3, 4, 5}}, true, true},
+                        {{"parallel", {3, 4}}, true, true},
+                        {{"six_dof", {}}, true, true},
+                        {{"universal", {0, 1, 2, 5}}, false, false},
+                        {{"constant_velocity", {0, 1, 2, 5}}, false, false},
+                        {{"point_on_line", {0, 1}}, false, false},
+                        {{"point_on_plane", {2}}, false, false}};
+  for_random_parts(220, [&](Chance& chance, const test::Folder& folder, Superelement se) {
+    Kind kind = chance.one_of(kinds);
+    if (chance.flip(0.3))
+      kind = {
+          {"screw", {0, 1, 3, 4}, chance.either_sign(1.0, 1.0) * std::pow(10.0, chance.between(-3.0, 1.0))},
+          true,
+          true};
+    const double ratio = chance.between(0.001, 0.1);
+    const bool to_ground = chance.flip(0.5);
+    const int modes = 1 + chance.below(std::max(1, se.n() - 7));
+    const char* const frame = chance.flip(0.5) ? "" : "frame = \"joint_fixed\"\n";
+    const Case c = make_case(chance, folder, std::move(se),
+                             fmt::format("{}modes = {}\ndamping = {:.17g}\n", frame, modes, ratio),
+                             kind.joint, to_ground);
+    SCOPED_TRACE(c.text);
+    const bool holds = to_ground ? kind.holds_from : kind.holds_to;
+    expect_same(c.found, c.se, [&](const Superelement& se) {
+      const MatrixXd R = rigid(se), boundary = holds ? c.G : MatrixXd(0, se.n());
+      const MatrixXd N =
+          boundary.rows() > 0 ? MatrixXd(boundary.fullPivLu().kernel()) : MatrixXd::Identity(se.n(), se.n());
+      const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> held(N.transpose() * se.K_se * N,
+                                                                    N.transpose() * se.M_se * N);
+      // The rigid motions that the boundary leaves come first.
+      const Index n_rigid = boundary.rows() > 0 ? 6 - Eigen::FullPivLU<MatrixXd>(boundary * R).rank() : 6;
+      const Index n = std::min<Index>(modes, N.cols() - n_rigid);
+      MatrixXd V(se.n(), 6 + n), D = MatrixXd::Zero(6 + n, 6 + n);
+      V << R, N * held.eigenvectors().middleCols(n_rigid, n);
+      for (Index k = 0; k < n; ++k)
+        D(6 + k, 6 + k) = 2.0 * ratio * std::sqrt(held.eigenvalues()(n_rigid + k));
+      MatrixXd K = V.transpose() * se.K_se * V;
+      K.topRows(6).setZero();
+      K.leftCols(6).setZero();
+      return eigenvalues(K, D, V.transpose() * se.M_se * V, c.G * V);
+    });
+  });
+}
+
 }  // namespace
 }  // namespace flexura::properties

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <complex>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,6 +33,7 @@ using superelement::Superelement;
 struct JointCase {
   const char* type;
   std::vector<int> locked;  ///< of translations 0-2 and rotations 3-5 in the axes of its frame, z the joint's
+  double pitch = 0.0;       ///< of a screw: z follows the turn about it
 };
 inline const JointCase kJoints[] = {{"fixed", {0, 1, 2, 3, 4, 5}},
                                     {"revolute", {0, 1, 2, 3, 4}},
@@ -63,12 +65,13 @@ std::vector<std::complex<double>> upper(const Values& values) {
 
 // K, D, M where G u = 0: eigenvalues s of s^2 M + s D + K, in extended precision: double leaves 1e-16 of the largest s^2 in
 // every other, which is 1e-6 of the lowest.
-inline std::vector<std::complex<double>> right(const Superelement& se, const MatrixXd& D, const MatrixXd& G) {
+inline std::vector<std::complex<double>> eigenvalues(const MatrixXd& K_se, const MatrixXd& D,
+                                                     const MatrixXd& M_se, const MatrixXd& G) {
   using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-  Matrix N = Matrix::Identity(se.n(), se.n());
+  Matrix N = Matrix::Identity(K_se.rows(), K_se.rows());
   if (G.rows() > 0) N = G.cast<long double>().fullPivLu().kernel();
   const auto reduced = [&](const MatrixXd& X) -> Matrix { return N.transpose() * X.cast<long double>() * N; };
-  const Matrix M = reduced(se.M_se), K = reduced(se.K_se);
+  const Matrix M = reduced(M_se), K = reduced(K_se);
   const Index n = N.cols();
   const Eigen::LLT<Matrix> llt(M);
   const Matrix squares = llt.solve(K);
@@ -79,6 +82,9 @@ inline std::vector<std::complex<double>> right(const Superelement& se, const Mat
   A.bottomRightCorner(n, n) = -llt.solve(reduced(D));
   return upper(Eigen::EigenSolver<Matrix>(A, false).eigenvalues());
 }
+inline std::vector<std::complex<double>> right(const Superelement& se, const MatrixXd& D, const MatrixXd& G) {
+  return eigenvalues(se.K_se, D, se.M_se, G);
+}
 
 struct Case {
   Superelement se;
@@ -88,9 +94,9 @@ struct Case {
   std::vector<std::complex<double>> found;
 };
 
-// A body on a joint from the ground to one of its interfaces.
+// A body on a joint from the ground to one of its interfaces, or from there to the ground.
 inline Case make_case(Chance& chance, const test::Folder& folder, Superelement se, const std::string& keys,
-                      const JointCase& joint) {
+                      const JointCase& joint, bool to_ground = false) {
   Case out;
   const superelement::Interface& at =
       se.interfaces[static_cast<std::size_t>(chance.below(static_cast<int>(se.interfaces.size())))];
@@ -102,11 +108,17 @@ inline Case make_case(Chance& chance, const test::Folder& folder, Superelement s
   out.text = fmt::format(
       "gravity = [0, 0, 0]\n[ground.marker.o]\nposition = {}\n{}[body.b]\nsuperelement = "
       "\"part.se.h5\"\n{}[body.b.marker.o]\non = "
-      "\"{}\"\n{}[joint.j]\ntype = \"{}\"\nfrom = \"ground.o\"\nto = \"b.o\"\n",
-      list(at.p_BoN_B), axes, keys, at.name, axes, joint.type);
+      "\"{}\"\n{}[joint.j]\ntype = \"{}\"\nfrom = \"{}\"\nto = \"{}\"\n",
+      list(at.p_BoN_B), axes, keys, at.name, axes, joint.type, to_ground ? "b.o" : "ground.o",
+      to_ground ? "ground.o" : "b.o");
+  if (joint.pitch != 0.0) out.text += fmt::format("pitch = {:.17g}\n", joint.pitch);
   out.joint = &joint;
   const MatrixXd motion = motion_in(se, at, E);
   out.G = motion(joint.locked, Eigen::all);
+  if (joint.pitch != 0.0) {
+    out.G.conservativeResize(out.G.rows() + 1, Eigen::NoChange);
+    out.G.bottomRows<1>() = motion.row(2) - joint.pitch / (2.0 * std::numbers::pi) * motion.row(5);
+  }
   superelement::write(folder / "part.se.h5", se);
   const mbs::PreparedMechanism p = mbs::prepare(folder.write("m.toml", out.text));
   const mbs::LinearSystem system = mbs::linearise(*p.mechanism, p.state);

@@ -13,13 +13,13 @@ namespace {
 
 /// Why the joint gives no boundary condition that holds at all times (SP's conditions: the node has the
 /// directions that the joint locks, and these stand still in the body); empty where it gives one.
-std::string cannot_hold(const MechanismDescription& d, const JointDescription& joint, int body,
-                        const BodyNode& node, const Eigen::MatrixXd& held) {
+std::string cannot_hold(const superelement::Superelement& se, const BodyNodes& nodes,
+                        const MechanismDescription& d, const JointDescription& joint, int body) {
   if (!locks_the_same_wherever_it_is(d, joint, body))
     return fmt::format("what joint \"{}\" locks does not stand still in the body as it moves", joint.name);
-  for (Eigen::Index k = 0; k < held.cols(); ++k)
-    if (held.col(k).isZero(0.0))
-      return fmt::format("joint \"{}\" locks a direction that \"{}\" does not keep", joint.name, node.name);
+  if (!keeps(se, nodes, d, joint, body))
+    return fmt::format("joint \"{}\" locks a direction that \"{}\" does not keep", joint.name,
+                       nodes[d.markers[marker_on(d, joint, body)].node].name);
   return "";
 }
 
@@ -76,8 +76,7 @@ std::string choose_frame(const input::Section& s, const superelement::Supereleme
     const int node = marker.node;
     if (boundary == "joint") {
       options.held = held_directions(nodes, d, *joint, body);
-      if (const std::string reason = cannot_hold(d, *joint, body, nodes[node], options.held);
-          !reason.empty()) {
+      if (const std::string reason = cannot_hold(se, nodes, d, *joint, body); !reason.empty()) {
         if (s.has("boundary"))
           s.refuse("boundary", reason, "write boundary = \"free\", or take the key away");
         of_the_boundary =

@@ -147,8 +147,9 @@ std::vector<input::Key> flexible_body_keys() {
              "Without it joint, "
              "which is right with fewer modes, where that joint's marker is one interface or node and the "
              "directions that it "
-             "locks stand still in the body (not with exactly two rotations free); free otherwise. Of frame "
-             "= \"joints\" those "
+             "locks (a screw's slide with its turn among them; drives and couplers aside) stand still in the "
+             "body (not with exactly two rotations free, nor of a point on a line or plane); free otherwise. "
+             "Of frame = \"joints\" those "
              "of all joints, as the frame"),
       quantity("damping", dim::none,
                "damping ratio of the body's eigenmodes under their `boundary`, and of its response modes: "
