@@ -42,8 +42,10 @@ class StickSlip final : public ForceElement {
   }
   void start_switches(const Kinematics& kin, const double*, int* root, double* c) const override {
     const double v = kin.speed(c_);
-    root[0] = std::abs(v) < 1e-12 ? 0 : v > 0.0 ? 1 : -1;
-    c[0] = 0.0;
+    // A state that was read holds still, whatever is left of a speed.
+    const bool holds = c[0] != 0.0 && std::abs(holding(v, c)) <= law_.static_force;
+    root[0] = holds || std::abs(v) < 1e-12 ? 0 : v > 0.0 ? 1 : -1;
+    if (root[0] != 0) c[0] = 0.0;
   }
   void change_switch(int, const Kinematics& kin, const double*, int* root, double* c) const override {
     if (root[0] != 0) {
@@ -52,6 +54,7 @@ class StickSlip final : public ForceElement {
       root[0] = 0;
     } else {
       root[0] = holding(kin.speed(c_), c) > 0.0 ? 1 : -1;
+      c[0] = 0.0;
     }
   }
 

@@ -2,6 +2,7 @@
 #include "mbs/app/run/mechanism_runs.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -157,6 +158,10 @@ mbs::Stability move_to_equilibrium(mbs::PreparedMechanism& p) {
   if (!report.stable && !is_none)
     p.notes.push_back(
         "the equilibrium is where the loads led as they grew; a stable one was not found near by");
+  if (!report.following_the_way.empty() && !is_none)
+    p.notes.push_back(fmt::format(
+        "one of a range of equilibria: \"{}\" holds it, as friction does, and it depends on the start",
+        fmt::join(report.following_the_way, "\", \"")));
   mbs::LinearRange range(*p.mechanism);
   range.observe(p.state);
   if (const std::string why = range.runaway(); !why.empty()) throw std::runtime_error(why);

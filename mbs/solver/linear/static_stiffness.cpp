@@ -27,7 +27,7 @@ constexpr const char* kNoStaticValue =
     "buckling; hold them constant";
 
 // The states that dq = N z brings with it, as columns for each z: X = -(d states)/dz.
-MatrixXd answers(const Equations& eq, const Tangents& t, const MatrixXd& KN,
+MatrixXd answers(const Equations& eq, const Tangents& t, const MatrixXd& KN, const MatrixXd& N,
                  const std::vector<int>& independent) {
   const Sizes n = eq.sizes();
   const int n_c = n.n_dyn, n_a = n.n_alg, n_x = n_c + n_a;
@@ -54,7 +54,12 @@ MatrixXd answers(const Equations& eq, const Tangents& t, const MatrixXd& KN,
     inner.topRows(n_c) -= t.c_lambda * reactions.solve(by_x(dependent, Eigen::all));
   }
   for (int i = 0; i < n_x; ++i) {
-    const double size = inner.row(i).cwiseAbs().maxCoeff();
+    double size = inner.row(i).cwiseAbs().maxCoeff();
+    // A state that only motion changes, as of a friction that sticks, follows the displacements.
+    if (!(size > 0.0) && i < n_c && outer.row(i).isZero(0.0) && !t.z_v.row(n.n_v + i).isZero(0.0)) {
+      outer.row(i) = -t.z_v.row(n.n_v + i) * N;
+      inner(i, i) = size = 1.0;
+    }
     if (!(size > 0.0) && i < n_c)
       throw std::runtime_error(fmt::format(
           "the dynamic state \"{}\" has no static value: it integrates, so that nothing can be said of "
@@ -120,7 +125,7 @@ StaticStiffness static_stiffness(const Equations& eq, const State& s, const std:
   const MatrixXd KN = K * z.N;
   MatrixXd held = KN.topRows(n.n_v);
   if (n.n_dyn + n.n_alg > 0) {
-    const MatrixXd X = answers(eq, tangents, KN, z.independent);
+    const MatrixXd X = answers(eq, tangents, KN, z.N, z.independent);
     if (tangents.g_c.size() > 0 && !(tangents.g_c * X.topRows(n.n_dyn)).isZero(0.0))
       throw std::runtime_error(
           "a drive follows a control that answers to the deformation, so that nothing can be said of "

@@ -110,6 +110,17 @@ Drift Judge::drift(const LinearSystem& system, const VectorXd& v_dot, const Vect
   if (n_w + n_c == 0) return out;
   MatrixXd B(n_w + n_c, n_z + n_c);
   B << system.A.bottomLeftCorner(n_w + n_c, n_z), system.A.bottomRightCorner(n_w + n_c, n_c);
+  // States that only motion changes, as of a friction that sticks, follow the displacements: dc = T dz.
+  const MatrixXd rates_of_z = system.A.topRightCorner(n_z, n_w + n_c).leftCols(n_w);
+  for (Eigen::Index k = 0; k < n_c; ++k) {
+    const Eigen::VectorXd by_speeds = system.A.block(n_z + n_w + k, n_z, 1, n_w).transpose();
+    if (c_rate(system.dynamic[static_cast<std::size_t>(k)]) != 0.0 || by_speeds.isZero(0.0) ||
+        !B.row(n_w + k).isZero(0.0))
+      continue;
+    const VectorXd T = rates_of_z.transpose().completeOrthogonalDecomposition().solve(by_speeds);
+    B.leftCols(n_z) += B.col(n_z + k) * T.transpose();
+    B.col(n_z + k).setZero();
+  }
   VectorXd e(n_w + n_c), size_of_rates(n_w + n_c), size(n_z + n_c), size_of_c(n_c);
   for (Eigen::Index k = 0; k < n_c; ++k)
     size_of_c(k) = std::max(1.0, std::abs(s_.c(system.dynamic[static_cast<std::size_t>(k)])));

@@ -2,6 +2,7 @@
 #include "mbs/solver/statics/statics.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -13,6 +14,7 @@
 #include "mbs/solver/algebra/kinematic_blocks.hpp"
 #include "mbs/solver/algebra/tangents.hpp"
 #include "mbs/solver/position/assemble.hpp"
+#include "mbs/solver/statics/following_states.hpp"
 
 namespace flexura::mbs {
 
@@ -129,7 +131,25 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       holds_conditions = holds_conditions || s.root[k] != 0;
       s.root[k] = 0;
     }
+  // What slides where the search ends, or is stopped for it, sticks from there: its switch stands at 0 of a speed, and a state begins
+  // to hold.
+  std::vector<std::string> stuck;  // their names
+  const auto stick = [&] {
+    stuck.clear();
+    if (n.n_root == 0 || n_c == 0) return false;
+    eq.roots(s, *scratch, switching);
+    for (int k = 0; k < n.n_root; ++k) {
+      if (s.root[k] == 0 || switching(k) != 0.0) continue;
+      State held = s;
+      eq.on_root(k, held, *scratch);
+      if (held.c == s.c) continue;
+      s = std::move(held);
+      stuck.push_back(eq.describe_root(k));
+    }
+    return !stuck.empty();
+  };
   take_switches();
+  stick();
   // Without the multipliers' part: forces that no reaction carries, in the norm of M^-1.
   residual(s, F);
   require_finite_forces(eq, s.t, F.head(n_v), F.segment(n_v, n_c), F.segment(n_v + n_c, n_a));
@@ -173,6 +193,9 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     return true;
   };
 
+  int n_stuck = 0;
+  constexpr int kStuck = 20;
+  FollowingStates states(eq);
   double extra = 0.0;   // more damping where the steps swing to and fro
   double floor = 1e-6;  // of the shift, less and less where they do not
   double last_step = 1.0;
@@ -190,6 +213,7 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
         with = options.load * with + (1.0 - options.load) * less;
       };
       mix(tangents.z_p, unloaded.z_p);
+      mix(tangents.z_v, unloaded.z_v);
       mix(tangents.z_c, unloaded.z_c);
       mix(tangents.z_a, unloaded.z_a);
     }
@@ -203,16 +227,17 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       if (!h_q.row(k).isZero(0.0) || (tangents.h_c.size() > 0 && !tangents.h_c.row(k).isZero(0.0)))
         following.push_back(k);
     residual(s, F);
+    states.find(s, tangents, K, F.segment(n_v, n_c), step_before);
+    stiffness = K.topRows(n_v) + tangents.z_c.topRows(n_v)(Eigen::all, states.which()) * states.B();
     double sigma = 0.0;
     if (options.stable) {
-      stiffness = K.topRows(n_v);
       unit = scale.head(n_v);
       row_unit = scale.tail(n_l);
       sigma = downhill_shift(stiffness, tangents.G, unit, row_unit, floor);
       if (sigma > 0.0 && last_step < 1e-3 && returns(on_null_space(stiffness, tangents.G, unit, row_unit)))
         sigma = 0.0;
       // Where nothing is stiff: no step of more than a tenth of a typical size.
-      if (n_v > 0 && sigma == 0.0 && K.topRows(n_v).isZero() &&
+      if (n_v > 0 && sigma == 0.0 && stiffness.isZero() &&
           on_null_space(stiffness, tangents.G, unit, row_unit).cols() > 0)
         extra = std::max(extra, 1.0);
       sigma += extra;
@@ -238,12 +263,14 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       unshifted.topLeftCorner(n_v, n_v) = K.topRows(n_v);
       held = rows_of_free_places(unshifted, tangents.G, following);
     }
-    // A state whose rate is nothing at rest, whatever there is (of a friction that sticks), stays as it is.
-    for (int k = n_v; k < n_v + n_c; ++k)
-      if (F(k) == 0.0 && J.row(k).isZero(0.0)) J(k, k) = 1.0;
+    for (std::size_t i = 0; i < states.which().size(); ++i) {
+      const int row = n_v + states.which()[i];
+      J.block(row, 0, 1, n_v) = -states.B().row(static_cast<Eigen::Index>(i));
+      J(row, row) = 1.0;
+    }
     // The regularisation below is small beside the compliance of what the constraints hold only if that is 1.
     if (n_v > 0) {
-      const Eigen::VectorXd by_stiffness = units_of_stiffness(K.topRows(n_v), tangents.G, scale.head(n_v));
+      const Eigen::VectorXd by_stiffness = units_of_stiffness(stiffness, tangents.G, scale.head(n_v));
       if (by_stiffness.size() > 0) {
         scale.head(n_v) = by_stiffness;
         scale_rows();
@@ -274,10 +301,13 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       continue;
     }
     double alpha = stride.part(step);
+    states.begin_step(s, x.head(n_v));
+    for (const int k : states.which()) x(n_v + k) = 0.0;  // they move by their own law
     const auto stepped = [&](double part) {
       State next = s;
       eq.retract(s.p, part * x.head(n_v), next.p);
       next.c += part * x.segment(n_v, n_c);
+      states.move(part, next.c);
       next.a += part * x.segment(n_v + n_c, n_a);
       next.lambda += x.tail(n_l);
       return next;
@@ -301,7 +331,7 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
     report.force_residual = F.head(n_v).lpNorm<Eigen::Infinity>();
     report.constraint_residual = n_l > 0 ? F.tail(n_l).cwiseAbs().maxCoeff() : 0.0;
     // Where nothing is stiff and no force is left any position is an equilibrium.
-    const bool indifferent = step < 1e-6 * options.tolerance && K.topRows(n_v).isZero();
+    const bool indifferent = step < 1e-6 * options.tolerance && stiffness.isZero();
     if (alpha == 1.0 && (step < options.tolerance || (step < 1e-6 && is_round_off(F.head(n_v), K))) &&
         (sigma == 0.0 || is_balanced(F.head(n_v), K)) &&
         (indifferent || extra < 1e-9 * (1.0 + K.lpNorm<Eigen::Infinity>()))) {
@@ -311,6 +341,11 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
                         "what it follows "
                         "come to rest, or feed back its place",
                         s.t, eq.name_of_constraint(held.front())));
+      if (n_stuck++ < kStuck && stick()) continue;
+      for (std::size_t i = 0; i < states.which().size(); ++i)
+        if (const int k = states.which()[i];
+            !states.B().row(static_cast<Eigen::Index>(i)).isZero(0.0) && !tangents.z_c.col(k).isZero(0.0))
+          report.following_the_way.push_back(eq.name_of_dynamic(k));
       if (holds_conditions) eq.hold_conditions(s, *scratch);
       return report;
     }
@@ -318,7 +353,7 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
       const bool swings = x.head(n_v).dot(step_before) < 0.0 && x.head(n_v).norm() > 0.5 * step_before.norm();
       // Halves a step along this one.
       const auto d = x.head(n_v);
-      const double along = std::abs(d.dot(K.topRows(n_v) * d)) / std::max(d.dot(tangents.M * d), 1e-300);
+      const double along = std::abs(d.dot(stiffness * d)) / std::max(d.dot(tangents.M * d), 1e-300);
       extra = swings ? std::max(4.0 * extra, along) : (step < 1e-3 ? 1e-3 : 0.5) * extra;
       floor = swings ? std::min(4.0 * floor, 1e-6) : std::max(0.25 * floor, 1e-10);
     }
@@ -328,11 +363,18 @@ StaticsReport solve_statics(const Equations& eq, State& s, const StaticsOptions&
   if (n_v == 0) throw std::runtime_error("no equilibrium found of a mechanism that cannot move");
   int worst = 0;
   F.head(n_v).cwiseAbs().maxCoeff(&worst);
+  const double left = F(worst);
+  if (stick())
+    throw std::runtime_error(
+        fmt::format("no equilibrium found in {} steps at t = {:.6g} s: on \"{}\" {:.4g} N (or N m) are left "
+                    "unbalanced; {} lets go, for more "
+                    "pulls there than friction holds: raise its limit, or hold it by a spring or a stop",
+                    report.iterations, s.t, eq.name_of_velocity(worst), left, fmt::join(stuck, ", ")));
   throw std::runtime_error(fmt::format(
       "no equilibrium found in {} steps at t = {:.6g} s: on \"{}\" {:.4g} N (or N m) are left "
       "unbalanced; something may be free to run away: hold it by a joint or a spring; what is only soft "
       "comes to rest in a damped run (flexura simulate)",
-      report.iterations, s.t, eq.name_of_velocity(worst), F(worst)));
+      report.iterations, s.t, eq.name_of_velocity(worst), left));
 }
 
 }  // namespace flexura::mbs

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
 #include "mbs/equations/equations.hpp"
 
@@ -20,6 +21,9 @@
 /// energy falls no longer along it (r . d changes its sign), and the iteration ends in a stable equilibrium.  Near by sigma is 0, too, where all eigenvalues of an
 /// unsymmetric K (of moments about axes that stand still) lie to the right.  Unstable ones are found with
 /// sigma = 0 throughout.
+///
+/// Dynamic states that only motion changes are springs from where the search began (FollowingStates).  Limits that are switches, of
+/// a friction that sticks, are passed: it slides to its place, and sticks there.
 ///
 /// In place of its row of G a drive of speed or acceleration that follows states or the motion has the speed that it asks for, which
 /// is 0 at rest.  Where that leads it to no place (J is singular) it stays at its own, by one equation more in least squares; others,
@@ -41,7 +45,10 @@ struct StaticsReport {
   int iterations = 0;
   double force_residual = 0.0;       ///< largest |r|, N or N m
   double constraint_residual = 0.0;  ///< largest |g|
-  bool stable = true;                ///< false: where the loads led, and not known to be stable
+  /// Dynamic states that only motion changes and that exert forces (of a friction that sticks): the equilibrium depends on where
+  /// the search began.
+  std::vector<std::string> following_the_way;
+  bool stable = true;  ///< false: where the loads led, and not known to be stable
 };
 
 /// Moves s.p, s.c, s.a, s.lambda into equilibrium at s.t with s.v = 0.  Throws std::runtime_error naming the
