@@ -88,7 +88,8 @@ class QuasiStaticStart {
     if (const int iterations = iterate_downhill(s)) return iterations;
     throw AssemblyError(
         "the deformation that follows the loads is not found from the start given (the bodies are too soft "
-        "for their loads, or vibrate with them): start undeformed (initial_deformation = \"none\")");
+        "for their loads, as a cable that is pushed along itself is, or vibrate with them): start undeformed "
+        "(initial_deformation = \"none\")");
   }
 
  private:
