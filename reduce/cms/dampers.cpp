@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "reduce/cms/damping.hpp"
 #include "reduce/elements/shell.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 #include "reduce/linalg/dense/parallel.hpp"
@@ -225,12 +226,10 @@ MatrixXd damping_matrix(const Part& part, const TiedModel& model, const MatrixXd
   R.topRows(model.n_b()) = model.motions().rigid_b();
   MatrixXd D = without_rigid_damping(symmetric(sums.viscous), R, reduction.M_se, reduction.report);
   if (sums.structural.isZero(0.0)) return D;
-  const linalg::DenseEigen modes = linalg::generalized_eigen(reduction.K_se, reduction.M_se);
-  const Index n = T.cols() - 6;
+  const linalg::DenseEigen modes = modes_beside_rigid(reduction.K_se, reduction.M_se, R);
   // Of hinges within the part round-off stands for 0, below it as well: nothing damps them.
-  const Eigen::VectorXd omega2 = modes.values.tail(n);
-  const Eigen::VectorXd share = (omega2.array() > 0.0).select(omega2.array().pow(-0.25), 0.0);
-  const MatrixXd Y = modes.vectors.rightCols(n), M_Y = reduction.M_se * Y * share.asDiagonal();
+  const Eigen::VectorXd share = (modes.values.array() > 0.0).select(modes.values.array().pow(-0.25), 0.0);
+  const MatrixXd &Y = modes.vectors, M_Y = reduction.M_se * Y * share.asDiagonal();
   return D + symmetric(M_Y * (Y.transpose() * symmetric(sums.structural) * Y) * M_Y.transpose());
 }
 

@@ -1,10 +1,12 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "reduce/cms/damping.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
-#include "reduce/linalg/dense/dense.hpp"
+#include "reduce/assembly/input/rigid_motion.hpp"
 
 namespace flexura::reduce {
 
@@ -22,17 +24,35 @@ double damping_ratio(const DampingRule& rule, double omega) {
   return rule.ratio.back();
 }
 
+linalg::DenseEigen modes_beside_rigid(const MatrixXd& K, const MatrixXd& M, const MatrixXd& R) {
+  // Rotations about the mass centre, lest those of a body far away be translations; rows of one size.
+  MatrixXd M_R = M * R;
+  const auto t = R.leftCols<3>();
+  const MatrixXd centre =
+      (t.transpose() * M_R.leftCols<3>()).ldlt().solve(t.transpose() * M_R.rightCols<3>());
+  M_R.rightCols<3>() -= (M_R.leftCols<3>() * centre).eval();
+  const Eigen::VectorXd unit = M.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::HouseholderQR<MatrixXd> qr(unit.asDiagonal() * M_R);
+  const MatrixXd Q = qr.householderQ(), N = unit.asDiagonal() * Q.rightCols(M.rows() - 6);
+  linalg::DenseEigen modes = linalg::generalized_eigen(N.transpose() * K * N, N.transpose() * M * N);
+  modes.vectors = (N * modes.vectors).eval();
+  return modes;
+}
+
 void add_damping(Reduction& r, const DampingRule& rule) {
   if (r.D_se.size() == 0) r.D_se = MatrixXd::Zero(r.n(), r.n());
-  const linalg::DenseEigen modes = linalg::generalized_eigen(r.K_se, r.M_se);
-  const Eigen::Index n = r.n() - 6;
-  const MatrixXd M_Y = r.M_se * modes.vectors.rightCols(n);
-  Eigen::VectorXd rate(n);
-  for (Eigen::Index j = 0; j < n; ++j) {
-    const double omega =
-        std::sqrt(std::max(0.0, modes.values(6 + j)));  // round-off of hinges within the part
-    rate(j) = 2.0 * damping_ratio(rule, omega) * omega + rule.alpha;
+  MatrixXd R = MatrixXd::Zero(r.n(), 6);
+  for (const ReducedInterface& interface : r.interfaces) {
+    const Eigen::Matrix<double, 6, 6> motion = node_motion_at(interface.point);
+    Eigen::Index row = interface.first_dof;
+    for (const int direction : interface.directions) R.row(row++) = motion.row(direction);
   }
+  const linalg::DenseEigen modes = modes_beside_rigid(r.K_se, r.M_se, R);
+  const MatrixXd M_Y = r.M_se * modes.vectors;
+  // Of hinges within the part round-off stands for 0, below it as well.
+  const Eigen::VectorXd omega = modes.values.cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd rate =
+      omega.unaryExpr([&](double w) { return 2.0 * damping_ratio(rule, w) * w + rule.alpha; });
   r.D_se += M_Y * rate.asDiagonal() * M_Y.transpose() + rule.beta * r.K_se;
   r.D_se = (0.5 * (r.D_se + r.D_se.transpose())).eval();
 }

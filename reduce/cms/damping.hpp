@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "reduce/cms/result/reduction.hpp"
+#include "reduce/linalg/dense/dense.hpp"
 
 /// Damping by what a measurement gives: ratios to critical over frequency.
 ///
@@ -23,6 +24,12 @@ struct DampingRule {
 
 /// The ratio at a frequency [rad/s]; 0 for an empty table.
 double damping_ratio(const DampingRule& rule, double omega);
+
+/// Modes of K, M (n x n) without the six rigid motions R (n x 6: translations, rotations), which are taken out exactly: the
+/// eigenvectors of the six lowest eigenvalues are not they where hinges within the part have such values, too.
+/// Y^T M Y = 1, Y^T M R = 0, n - 6 of them.
+linalg::DenseEigen modes_beside_rigid(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M,
+                                      const Eigen::MatrixXd& R);
 
 /// Adds the rule's matrix to reduction.D_se.
 void add_damping(Reduction& reduction, const DampingRule& rule);

@@ -14,6 +14,7 @@
 #include "reduce/cms/shapes/full_model.hpp"
 #include "reduce/cms/shapes/shape_change.hpp"
 #include "reduce/linalg/dense/dense.hpp"
+#include "tests/mbs/random/chance.hpp"
 #include "tests/reduce/parts.hpp"
 
 namespace flexura::reduce {
@@ -299,6 +300,40 @@ TEST(Damping, HingesWithinThePartAreNotDamped) {
   const double rate = next.dot(se.D_se * next);
   EXPECT_NEAR(rate / (2.0 * 0.02 * std::sqrt(modes.values(7))), 1.0, 1e-9);
   EXPECT_NEAR(hinge.dot(se.D_se * hinge) / rate, 0.0, 1e-9);
+}
+
+// Of any superelement with hinges: alpha M without rigid motion's share, however the eigensolver mixes zero eigenvalues.
+TEST(Damping, RigidMotionIsTakenOutBesideHinges) {
+  mbs::chance::Chance chance(7);
+  for (int k = 0; k < 200; ++k) {
+    Reduction se;
+    se.n_b = 12, se.n_q = 2 + chance.below(6);
+    const Eigen::Vector3d away = std::pow(10.0, chance.between(-1.0, 1.0)) * chance.direction();  // of Bo
+    for (const int i : {0, 1})
+      se.interfaces.push_back({.name = "",
+                               .point = away + chance.vector(1.0),
+                               .directions = {0, 1, 2, 3, 4, 5},
+                               .first_dof = 6 * i});
+    const auto random = [&](Eigen::Index rows, Eigen::Index columns) {
+      MatrixXd A(rows, columns);
+      for (double& a : A.reshaped()) a = chance.between(-1.0, 1.0);
+      return A;
+    };
+    const MatrixXd R = rigid_motions(se), A = random(se.n(), se.n());
+    se.M_se = A * A.transpose() + MatrixXd::Identity(se.n(), se.n());
+    const MatrixXd P = MatrixXd::Identity(se.n(), se.n()) -
+                       R * (R.transpose() * se.M_se * R).ldlt().solve(R.transpose() * se.M_se);
+    const int n_hinges = 1 + chance.below(3);
+    const MatrixXd B = random(se.n() - 6 - n_hinges, se.n()) * P;
+    se.K_se = 1e6 * B.transpose() * B;
+    DampingRule rule;
+    rule.alpha = chance.between(0.1, 10.0);
+    rule.beta = chance.between(0.0, 1e-4);
+    const MatrixXd right = rule.alpha * P.transpose() * se.M_se * P + rule.beta * se.K_se;
+    add_damping(se, rule);
+    // P loses the squared distance of Bo over the size, 1e2, and the condition of M, 1e3, of 1e-16.
+    EXPECT_LT((se.D_se - right).norm(), 1e-9 * right.norm()) << k;
+  }
 }
 
 TEST(Damping, RayleighIsTheSumOfMassAndStiffnessOnElasticModes) {
