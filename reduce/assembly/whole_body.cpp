@@ -46,6 +46,7 @@ std::vector<double> nodal_volumes(const Part& part) {
   if (part.matrices)  // no cells: every node that has mass counts alike
     for (std::size_t k = 0; k < part.matrices->pairs.size(); ++k)
       if (const auto& [a, b] = part.matrices->pairs[k]; a == b && part.matrices->m[k] > 0.0) volume[a] = 1.0;
+  for (const Follower& follower : part.followers) volume[follower.point] = 0.0;
   return volume;
 }
 

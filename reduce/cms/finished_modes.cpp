@@ -7,6 +7,8 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <numeric>
 #include <stdexcept>
 
@@ -53,33 +55,110 @@ linalg::SymmetricMatrix scalar_mass(const NodalMatrices& given, int n_nodes) {
   return m;
 }
 
+// Columns: the rigid motions, then the vectors.
+struct Motions {
+  MatrixXd u;      // 3 n_nodes, points that follow among them
+  MatrixXd theta;  // 3 n_nodes, zero where a node has no rotations
+  std::vector<char> turns;
+};
+
+Motions all_motions(const Part& part, const FinishedModes& modes) {
+  const Index n_nodes = part.mesh.n_nodes(), n_v = modes.V.cols(), n_own = modes.V.rows() / 3;
+  Motions W{MatrixXd::Zero(3 * n_nodes, 6 + n_v), MatrixXd::Zero(3 * n_nodes, 6 + n_v),
+            std::vector<char>(static_cast<std::size_t>(n_nodes), 0)};
+  for (Index node = 0; node < n_nodes; ++node)
+    W.u.block<3, 6>(3 * node, 0) = motion_at(part.mesh.points.row(node));
+  W.u.block(0, 6, modes.V.rows(), n_v) = modes.V;
+  for (Index node = 0; node < n_own && modes.rotations.size() > 0; ++node) {
+    const auto theta = modes.rotations.middleRows<3>(3 * node);
+    if (theta.isZero(0.0)) continue;
+    W.turns[static_cast<std::size_t>(node)] = 1;
+    W.theta.block<3, 3>(3 * node, 3).setIdentity();
+    W.theta.block(3 * node, 6, 3, n_v) = theta;
+  }
+  for (const Follower& follower : part.followers) {
+    auto to = W.u.block(3 * static_cast<Index>(follower.point), 6, 3, n_v);
+    for (const auto& [node, C] : follower.from) {
+      const Index row = 3 * static_cast<Index>(node);
+      if (W.turns[static_cast<std::size_t>(node)] == 0 && !C.rightCols<3>().isZero(0.0))
+        throw std::invalid_argument(fmt::format(
+            "the mass matrix has rotary inertia at node {}, which does not turn in the vectors: give them "
+            "with six "
+            "rows a node (u, theta), or the mass of displacements alone",
+            part.mesh.node_label.empty() ? node + 1 : part.mesh.node_label[static_cast<std::size_t>(node)]));
+      to += C.leftCols<3>() * W.u.block(row, 6, 3, n_v) + C.rightCols<3>() * W.theta.block(row, 6, 3, n_v);
+    }
+  }
+  return W;
+}
+
+void refuse_bending(const InterfaceSpec& spec, double share) {
+  if (share > kPrinted)
+    throw std::invalid_argument(
+        fmt::format("the vectors bend interface '{}' by {:.2g} of its motion, so it was no rigid piece when "
+                    "they were computed: tie it as an average",
+                    spec.name, share));
+}
+
+// Of nodes that turn and are one piece: theta is their mean, u that of what each says of the interface's point.
+MatrixXd turning_motion(const Part& part, const InterfaceSpec& spec, const Motions& W,
+                        const std::vector<mesh::Index>& turning) {
+  MatrixXd motion = MatrixXd::Zero(6, W.u.cols());
+  for (const mesh::Index node : turning)
+    motion.bottomRows<3>() +=
+        W.theta.middleRows<3>(3 * static_cast<Index>(node)) / static_cast<double>(turning.size());
+  const auto arm = [&](mesh::Index node) {
+    return motion_at(part.mesh.points.row(node).transpose() - spec.point);
+  };
+  for (const mesh::Index node : spec.set.nodes)
+    motion.topRows<3>() += (W.u.middleRows<3>(3 * static_cast<Index>(node)) -
+                            arm(node).rightCols<3>() * motion.bottomRows<3>()) /
+                           static_cast<double>(spec.set.nodes.size());
+  double turned = 0.0, all = 0.0;
+  for (const mesh::Index node : turning) {
+    const auto theta = W.theta.middleRows<3>(3 * static_cast<Index>(node));
+    turned += (theta - motion.bottomRows<3>()).squaredNorm();
+    all += theta.squaredNorm();
+  }
+  refuse_bending(spec, std::sqrt(turned / all));
+  return motion;
+}
+
 // Motion (u, theta) of the interface's node in each vector; zero where a single node has no rotation.
-MatrixXd interface_motion(const Part& part, const InterfaceSpec& spec, const MatrixXd& W) {
-  if (spec.directions.empty()) return MatrixXd::Zero(6, W.cols());  // a rigid piece of the part
+MatrixXd interface_motion(const Part& part, const InterfaceSpec& spec, const Motions& W) {
+  if (spec.directions.empty()) return MatrixXd::Zero(6, W.u.cols());  // a rigid piece of the part
   const std::vector<mesh::Index>& nodes = spec.set.nodes;
-  MatrixXd set(3 * static_cast<Index>(nodes.size()), W.cols());
+  MatrixXd set(3 * static_cast<Index>(nodes.size()), W.u.cols());
   for (std::size_t a = 0; a < nodes.size(); ++a)
-    set.middleRows<3>(3 * static_cast<Index>(a)) = W.middleRows<3>(3 * static_cast<Index>(nodes[a]));
+    set.middleRows<3>(3 * static_cast<Index>(a)) = W.u.middleRows<3>(3 * static_cast<Index>(nodes[a]));
+  std::vector<mesh::Index> turning;
+  std::ranges::copy_if(nodes, std::back_inserter(turning),
+                       [&](mesh::Index node) { return W.turns[static_cast<std::size_t>(node)] != 0; });
   if (spec.tie == Tie::node) {
-    if (nodes.size() != 1 || spec.directions.back() > 2)
+    if (nodes.size() != 1 || (spec.directions.back() > 2 && turning.empty()))
       throw std::invalid_argument(fmt::format(
-          "interface '{}' is tied as a node: it takes a single node and displacements only", spec.name));
-    MatrixXd motion = MatrixXd::Zero(6, W.cols());
+          "interface '{}' is tied as a node: it takes a single node, and displacements only where the "
+          "vectors have no rotations of it",
+          spec.name));
+    MatrixXd motion = MatrixXd::Zero(6, W.u.cols());
     motion.topRows<3>() = set;
+    motion.bottomRows<3>() = W.theta.middleRows<3>(3 * static_cast<Index>(nodes.front()));
     return motion;
   }
-  const MatrixXd motion = averaging_map(part.mesh, spec) * set;
+  const bool by_rotations = spec.tie == Tie::rigid && spec.rotations && !turning.empty();
+  if (nodes.size() == 1 && !by_rotations && spec.directions.back() > 2)
+    throw std::invalid_argument(fmt::format(
+        "interface '{}' is a single node, whose rotations the vectors do not have: give them with six "
+        "rows a node, retain displacements only, or choose more nodes",
+        spec.name));
+  const MatrixXd motion =
+      by_rotations ? turning_motion(part, spec, W, turning) : MatrixXd(averaging_map(part.mesh, spec) * set);
   if (spec.tie == Tie::rigid) {
     MatrixXd bent = set;
     for (std::size_t a = 0; a < nodes.size(); ++a)
       bent.middleRows<3>(3 * static_cast<Index>(a)) -=
           motion_at(part.mesh.points.row(nodes[a]).transpose() - spec.point) * motion;
-    const double share = bent.norm() / set.norm();
-    if (share > kPrinted)
-      throw std::invalid_argument(fmt::format(
-          "the vectors bend interface '{}' by {:.2g} of its motion, so it was no rigid piece when "
-          "they were computed: tie it as an average",
-          spec.name, share));
+    refuse_bending(spec, bent.norm() / set.norm());
   }
   return motion;
 }
@@ -118,25 +197,25 @@ MatrixXd elastic_damping(const MatrixXd& D, const MatrixXd& M_W, ReductionReport
 Reduction reduce_finished_modes(const Part& part, const FinishedModes& modes,
                                 const ReductionOptions& options) {
   if (!part.matrices) throw std::logic_error("finished modes want the part's mass matrix");
-  const Index n_nodes = part.mesh.n_nodes(), n_v = modes.V.cols();
-  if (modes.V.rows() != 3 * n_nodes)
+  const Index n_nodes = part.mesh.n_nodes(), n_v = modes.V.cols(),
+              n_own = n_nodes - static_cast<Index>(part.followers.size());
+  if (modes.V.rows() != 3 * n_own ||
+      (modes.rotations.size() > 0 && (modes.rotations.rows() != 3 * n_own || modes.rotations.cols() != n_v)))
     throw std::invalid_argument(
-        fmt::format("the vectors have {} rows, {} are wanted: three for each of the {} nodes", modes.V.rows(),
-                    3 * n_nodes, n_nodes));
+        fmt::format("the vectors have {} rows, {} or {} are wanted: three or six for each of the {} nodes",
+                    modes.V.rows() + modes.rotations.rows(), 3 * n_own, 6 * n_own, n_own));
   for (const MatrixXd* matrix : {&modes.K, &modes.M, &modes.D})
     if (matrix->size() > 0 && (matrix->rows() != n_v || matrix->cols() != n_v))
       throw std::invalid_argument(
           fmt::format("a reduced matrix of the {} vectors is {} x {}", n_v, matrix->rows(), matrix->cols()));
-  if (modes.stress.size() > 0 && (modes.stress.rows() != 6 * n_nodes || modes.stress.cols() != n_v))
+  if (modes.stress.size() > 0 && (modes.stress.rows() != 6 * n_own || modes.stress.cols() != n_v))
     throw std::invalid_argument(
         fmt::format("the stress modes are {} x {}, {} x {} are wanted: six for each node",
-                    modes.stress.rows(), modes.stress.cols(), 6 * n_nodes, n_v));
+                    modes.stress.rows(), modes.stress.cols(), 6 * n_own, n_v));
   linalg::Stopwatch watch;
   const linalg::SymmetricMatrix m = scalar_mass(*part.matrices, static_cast<int>(n_nodes));
-  MatrixXd W(3 * n_nodes, 6 + n_v);
-  for (Index node = 0; node < n_nodes; ++node)
-    W.block<3, 6>(3 * node, 0) = motion_at(part.mesh.points.row(node));
-  W.rightCols(n_v) = modes.V;
+  const Motions motions = all_motions(part, modes);
+  const MatrixXd& W = motions.u;
 
   Reduction r;
   r.inertia = inertia_integrals(m, part.mesh.points, W);
@@ -166,7 +245,7 @@ Reduction reduce_finished_modes(const Part& part, const FinishedModes& modes,
         spec.tie == Tie::node ? Eigen::Vector3d(part.mesh.points.row(spec.set.nodes.at(0))) : spec.point;
     InterfaceSpec used = spec;
     used.point = point;
-    const MatrixXd motion = interface_motion(part, used, W), rows = motion(spec.directions, Eigen::all);
+    const MatrixXd motion = interface_motion(part, used, motions), rows = motion(spec.directions, Eigen::all);
     const Index first = B.rows();
     B.conservativeResize(first + rows.rows(), Eigen::NoChange);
     B.bottomRows(rows.rows()) = rows;
@@ -216,8 +295,8 @@ Reduction reduce_finished_modes(const Part& part, const FinishedModes& modes,
   if (!shapes.dropped.empty())
     r.report.notes.push_back(fmt::format(
         "{} of them are combinations of the others (the rigid motions among them)", shapes.dropped.size()));
-  r.report.n_nodes = static_cast<int>(n_nodes);
-  r.report.n_i = static_cast<int>(3 * n_nodes) - r.n_b;
+  r.report.n_nodes = static_cast<int>(n_own);
+  r.report.n_i = static_cast<int>(3 * (n_own + std::ranges::count(motions.turns, 1))) - r.n_b;
   r.report.n_b = r.n_b;
   r.report.n_q = r.n_q;
   r.report.rigid_strain = (r.K_se.topLeftCorner(r.n_b, r.n_b) * R_b).norm() / (r.K_se.norm() * R_b.norm());

@@ -17,17 +17,22 @@
 namespace flexura::reduce {
 
 struct FinishedModes {
-  Eigen::MatrixXd V;  ///< 3 n_nodes x m [m per unit]
-  Eigen::MatrixXd K;  ///< m x m, V^T K V
-  Eigen::MatrixXd M;  ///< m x m, V^T M V as the other program has it, for comparison; or empty
-  Eigen::MatrixXd D;  ///< m x m, V^T D V; or empty
   Eigen::MatrixXd
-      stress;  ///< 6 n_nodes x m, rows xx, yy, zz, xy, yz, zx of each node [Pa per unit]; or empty
+      V;  ///< 3 n x m, displacements of the part's nodes, less those of Part::followers [m per unit]
+  Eigen::MatrixXd rotations =
+      {};                  ///< 3 n x m, of the same nodes [rad per unit], zero where one has none; or empty
+  Eigen::MatrixXd K;       ///< m x m, V^T K V
+  Eigen::MatrixXd M;       ///< m x m, V^T M V as the other program has it, for comparison; or empty
+  Eigen::MatrixXd D;       ///< m x m, V^T D V; or empty
+  Eigen::MatrixXd stress;  ///< 6 n x m, rows xx, yy, zz, xy, yz, zx of each node [Pa per unit]; or empty
 };
 
-/// `part` gives nodes, interfaces and, in `matrices`, the mass.  Of the options the loads, the shapes' and
+/// `part` gives nodes, interfaces and, in `matrices`, the mass, with points that follow the nodes (rotary inertia: take_in() of reduce/part).  An
+/// interface of one node, or of nodes that a rigid tie holds, turns with the rotations of its nodes; without any it turns as
+/// their displacements say.  Of the options the loads, the shapes' and
 /// the stresses' nodes are read.  std::invalid_argument where
 ///  - the vectors do not move all interface dofs independently,
+///  - points follow rotations and there are none,
 ///  - they bend an interface that is tied rigidly (an average takes any),
 ///  - K contradicts the vectors: a combination that moves nothing, or rigidly, has stiffness (a spring to the
 ///    ground, columns in another order).

@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* kFromModel =
     "give the finite-element model itself (.inp, .bdf, .unv) in [geometry], or its matrices as Matrix Market "
-    "in "
+    "or DMIG in "
     "[matrices], or modes with them in [mode_vectors]";
 constexpr const char* kFromCad = "export the part as STEP";
 

@@ -124,6 +124,13 @@ void read_finished_modes(const Section& in, PartInput& part) {
   if (modes.has("damping")) part.finished.damping = modes.file("damping");
   if (modes.has("reduced_mass")) part.finished.reduced_mass = modes.file("reduced_mass");
   if (modes.has("stress")) part.finished.stress = modes.file("stress");
+  const std::string place = modes.text("stress_at");
+  part.finished.stress_at = place == "elements"  ? StressPlace::elements
+                            : place == "corners" ? StressPlace::corners
+                                                 : StressPlace::nodes;
+  if (part.finished.stress_at != StressPlace::nodes && part.format == PartFormat::nodes)
+    modes.refuse("stress_at", "needs the elements, a table of nodes has none",
+                 "give the mesh as the geometry file");
   if (part.format == PartFormat::cad)
     in.table("geometry").refuse("file", "mode vectors go with the nodes of a mesh file or of a table (.csv)");
   if (in.table("recovery").flag("stress") && part.finished.stress.empty())

@@ -93,9 +93,11 @@ TableSchema mode_vectors_schema() {
           "Matrix Market, or text with a row in each line, also gzipped. Of [modes] only `damping` and "
           "`strike_modes` apply."};
   s.keys = {
-      input::text("vectors",
-                  "file of the displacements: a column for each vector, rows by ascending node number, three "
-                  "directions each; free of unit, or all in the length unit of the file")
+      input::text(
+          "vectors",
+          "file of the displacements: a column for each vector, rows by ascending node number, three "
+          "directions each, or six with the rotations of the nodes, by which interfaces of one node or on a "
+          "line turn; displacements free of unit, or all in the length unit of the file (rotations per unit)")
           .required(),
       input::text("stiffness", "file of the reduced stiffness, V^T K V").required(),
       input::text("mass",
@@ -104,10 +106,16 @@ TableSchema mode_vectors_schema() {
           .required(),
       input::text("damping", "file of the reduced damping, V^T D V"),
       input::text("reduced_mass", "file of V^T M V as the FE program has it, for comparison"),
-      input::text(
-          "stress",
-          "file of stress modes: a column for each vector, rows by ascending node number, xx, yy, zz, "
-          "xy, yz, zx each"),
+      input::text("stress",
+                  "file of stress modes: a column for each vector, rows xx, yy, zz, xy, yz, zx of each node "
+                  "by ascending "
+                  "number, or of what `stress_at` says"),
+      input::choice(
+          "stress_at", {"nodes", "elements", "corners"},
+          "`elements`: six rows for each element by ascending number; `corners`: for each node of each "
+          "element, by ascending numbers. A node's stress is then the mean of those of all elements that "
+          "have it")
+          .or_default("nodes"),
   };
   return s;
 }
@@ -139,9 +147,12 @@ TableSchema recovery_schema() {
   TableSchema s{.name = "recovery",
                 .doc = "What the superelement keeps besides the displacements of its surface."};
   s.keys = {
-      input::flag("stress",
-                  "stress modes: nodal stresses of every shape on the surface, for von Mises stress and the "
-                  "like at run time")
+      input::flag(
+          "stress",
+          "stress modes: nodal stresses of every shape on the surface, for von Mises stress and the "
+          "like at run time. Each element's stress is taken at the node itself; the node has the mean of the "
+          "elements that share it, where materials meet of those of the material with most of them. Shells "
+          "have them on both sides, of membrane and bending")
           .or_default("false"),
       input::choice("precision", {"single", "double"}, "how stress modes are stored").or_default("single"),
   };

@@ -174,12 +174,22 @@ TableSchema matrices_schema() {
       .name = "matrices",
       .doc =
           "Stiffness, mass and damping as another program assembled them, instead of the elements': Matrix "
-          "Market, Abaqus' coordinate format or matrix input, also gzipped. The geometry file gives "
+          "Market, Abaqus' coordinate format or matrix input, DMIG of Nastran (bulk data or .pch, of grid "
+          "points; "
+          "of several in a file the one whose name begins with K, M or B), also gzipped. The geometry file "
+          "gives "
           "the nodes: a mesh, or a table of node number, x, y, z (.csv, .txt). Rows go by "
-          "ascending node number, three directions each."};
+          "ascending node number, three directions each, or six where nodes of shells and beams have "
+          "rotations: "
+          "interfaces of a single node then have all six directions."};
   s.keys = {
       input::text("stiffness", "file of K").required(),
-      input::text("mass", "file of M; alike in the three directions, as solid elements have it").required(),
+      input::text(
+          "mass",
+          "file of M; alike in the three directions, as solids, shells and lumped beams have it (not "
+          "consistent beams), coupled to rotations by offsets alone, with any rotary inertia; a lumped one "
+          "will do")
+          .required(),
       input::text("damping",
                   "file of D; becomes D_se = T^T D T. What resists rigid motion, as damping in proportion to "
                   "the mass "

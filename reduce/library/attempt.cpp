@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "mbs/base/documents/document.hpp"
@@ -48,18 +49,75 @@ std::vector<std::int32_t> stress_vertices(const RecoveryInput& wanted, const mes
   return vertices;
 }
 
+/// Stresses of elements, six rows each, or six for each of an element's nodes, as those of nodes: of each the mean of the
+/// elements that have it.  Elements by ascending number, of corners each element's nodes by ascending number.
+Eigen::MatrixXd averaged_at_nodes(const Eigen::MatrixXd& given, bool by_corners, const mesh::Mesh& mesh,
+                                  const std::filesystem::path& file) {
+  std::map<std::int64_t, std::vector<mesh::Index>> elements;
+  std::int64_t next = 0;
+  Eigen::Index n_rows = 0;
+  for (const auto* blocks : {&mesh.solids, &mesh.shells})
+    for (const mesh::CellBlock& block : *blocks)
+      for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell) {
+        std::vector<mesh::Index>& nodes = elements[block.label.empty() ? ++next : block.label[cell]];
+        if (!nodes.empty())
+          throw std::invalid_argument(
+              fmt::format("{}: the mesh has several elements of the number {}, so their order is not known; "
+                          "give stresses at "
+                          "nodes",
+                          file.string(), block.label.empty() ? next : block.label[cell]));
+        nodes.assign(block.nodes.row(cell).begin(), block.nodes.row(cell).end());
+        std::ranges::sort(nodes);
+        nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+        n_rows += by_corners ? 6 * static_cast<Eigen::Index>(nodes.size()) : 6;
+      }
+  if (given.rows() != n_rows)
+    throw std::invalid_argument(fmt::format("{}: {} rows, {} are wanted: six for each {} of the {} elements",
+                                            file.string(), given.rows(), n_rows,
+                                            by_corners ? "node of each" : "one", elements.size()));
+  Eigen::MatrixXd at_nodes =
+      Eigen::MatrixXd::Zero(6 * static_cast<Eigen::Index>(mesh.n_nodes()), given.cols());
+  std::vector<int> count(mesh.n_nodes(), 0);
+  Eigen::Index row = 0;
+  for (const auto& [label, nodes] : elements) {
+    for (const mesh::Index node : nodes) {
+      at_nodes.middleRows<6>(6 * static_cast<Eigen::Index>(node)) += given.middleRows<6>(row);
+      ++count[node];
+      if (by_corners) row += 6;
+    }
+    if (!by_corners) row += 6;
+  }
+  for (mesh::Index node = 0; node < mesh.n_nodes(); ++node)
+    if (count[node] > 1) at_nodes.middleRows<6>(6 * static_cast<Eigen::Index>(node)) /= count[node];
+  return at_nodes;
+}
+
 /// The vectors and matrices of the part file in SI: V has no unit or that of the file's lengths, in which
 /// V^T K V and V^T M V were computed, so that forces per length and masses count as those of the file.
-FinishedModes load_finished_modes(const PartInput& input) {
+FinishedModes load_finished_modes(const PartInput& input, const mesh::Mesh& mesh) {
   FinishedModes modes{.V = read_dense(input.finished.vectors), .K = read_dense(input.finished.stiffness)};
+  if (const Eigen::Index n = mesh.n_nodes(); modes.V.rows() == 6 * n) {
+    const Eigen::MatrixXd both = modes.V;
+    modes.V.resize(3 * n, both.cols());
+    modes.rotations.resize(3 * n, both.cols());
+    for (Eigen::Index node = 0; node < n; ++node) {
+      modes.V.middleRows<3>(3 * node) = both.middleRows<3>(6 * node);
+      modes.rotations.middleRows<3>(3 * node) = both.middleRows<3>(6 * node + 3) / input.unit_length;
+    }
+  }
   modes.K *= input.unit_mass;
   if (!input.finished.damping.empty()) modes.D = input.unit_mass * read_dense(input.finished.damping);
   if (!input.finished.reduced_mass.empty())
     modes.M = input.unit_mass * read_dense(input.finished.reduced_mass);
   // Stress per displacement: (M L^-1 T^-2) / L.
-  if (!input.finished.stress.empty())
-    modes.stress =
+  if (!input.finished.stress.empty()) {
+    const Eigen::MatrixXd stress =
         input.unit_mass / (input.unit_length * input.unit_length) * read_dense(input.finished.stress);
+    modes.stress = input.finished.stress_at == StressPlace::nodes
+                       ? stress
+                       : averaged_at_nodes(stress, input.finished.stress_at == StressPlace::corners, mesh,
+                                           input.finished.stress);
+  }
   return modes;
 }
 
@@ -85,6 +143,8 @@ Attempt attempt(const PartInput& input, const std::filesystem::path& output, Red
   PartMesh from = load_part_mesh(input, how.progress);
   Attempt out;
   out.mesh = from.report;
+  std::optional<FinishedModes> finished;
+  if (!input.finished.vectors.empty()) finished = load_finished_modes(input, from.mesh);
   out.modelled = make_part(input, std::move(from));
   const Part& part = out.modelled.part;
   std::vector<std::vector<mesh::Index>> interface_nodes;
@@ -97,10 +157,11 @@ Attempt attempt(const PartInput& input, const std::filesystem::path& output, Red
         nodes.push_back(follower.point);
   }
   out.picture = make_surface(part.mesh, interface_nodes);
-  if (!input.finished.vectors.empty() && part.mesh.boundary.empty()) {
+  if (finished && part.mesh.boundary.empty()) {
     // A table of nodes has no surface: all nodes are kept, as points.
-    for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node) out.picture.nodes.push_back(node);
-    out.picture.surface.vertices = part.mesh.points;
+    const Eigen::Index n_nodes = finished->V.rows() / 3;
+    for (mesh::Index node = 0; node < n_nodes; ++node) out.picture.nodes.push_back(node);
+    out.picture.surface.vertices = part.mesh.points.topRows(n_nodes);
   }
   // Shapes of the surface at four bytes a number, which shrink to a half or so: a tenth is the least.
   const double n_shapes = 6.0 * out.modelled.n_interfaces + std::max(0, input.modes.count);
@@ -111,9 +172,7 @@ Attempt attempt(const PartInput& input, const std::filesystem::path& output, Red
   how.shape_nodes = out.picture.nodes;
   out.vertices = stress_vertices(input.recovery, part.mesh, out.picture.nodes, part);
   for (const std::int32_t vertex : out.vertices) how.stress_nodes.push_back(out.picture.nodes[vertex]);
-  out.reduction = input.finished.vectors.empty()
-                      ? craig_bampton(part, how)
-                      : reduce_finished_modes(part, load_finished_modes(input), how);
+  out.reduction = finished ? reduce_finished_modes(part, *finished, how) : craig_bampton(part, how);
   return out;
 }
 

@@ -364,7 +364,6 @@ ModelledPart make_part(const PartInput& input, PartMesh&& from) {
   out.warnings = from.warnings;
   out.part.mesh = std::move(from.mesh);
   out.part.materials = from.materials;
-  out.part.matrices = std::move(from.matrices);
   out.part.mass = input.mass;
   out.part.formulation = input.formulation;
   add_interfaces(input, from, out);
@@ -379,10 +378,11 @@ ModelledPart make_part(const PartInput& input, PartMesh&& from) {
           "stresses of shells of unlike layers are those of their outermost layers; those inside are not "
           "given");
   }
+  if (from.matrices) take_in(std::move(*from.matrices), out.part);
   add_shell_skins(out.part);
   add_bars(from.bars, out.part);
   add_springs(from.springs, out.part);
-  spread_averages(from.ties, out.part, out.notes);
+  if (!from.matrices) spread_averages(from.ties, out.part, out.notes);
   complete_interfaces(input, out);
   add_masses(input, from, out);
   add_links(input, out);

@@ -101,6 +101,9 @@ struct ReductionRequest {
   bool stiffening = false;  ///< geometric stiffening terms
 };
 
+/// Where another program gives stresses.
+enum class StressPlace { nodes, elements, corners };
+
 struct PartInput : ReductionRequest {
   std::string where;  ///< the file, for messages
   PartFormat format = PartFormat::cad;
@@ -113,6 +116,7 @@ struct PartInput : ReductionRequest {
   std::filesystem::path stiffness, mass_matrix, damping_matrix;  ///< finished matrices; empty: none
   struct {
     std::filesystem::path vectors, stiffness, mass, damping, reduced_mass, stress;  ///< empty: not given
+    StressPlace stress_at = StressPlace::nodes;
   } finished;  ///< finished modes of another program
   std::vector<Material> materials;
   MassKind mass = MassKind::consistent;

@@ -233,23 +233,19 @@ PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) 
   part.messages = std::move(model.messages);
   part.warnings = std::move(model.warnings);
   if (!input.finished.vectors.empty()) {
-    NodalMatrices& matrices = part.matrices.emplace(read_mass_matrix(input.finished.mass, part.mesh));
-    for (double& m : matrices.m) m *= input.unit_mass;
+    scale(part.matrices.emplace(read_mass_matrix(input.finished.mass, part.mesh)), input.unit_mass,
+          input.unit_length);
   } else if (input.stiffness.empty()) {
     choose_materials(input, model, part);
   } else {
-    NodalMatrices& matrices = part.matrices.emplace(
-        read_matrices(input.stiffness, input.mass_matrix, input.damping_matrix, part.mesh));
-    for (Eigen::Matrix3d& k : matrices.K) k *= input.unit_mass;  // force per length: M T^-2
-    for (Eigen::Matrix3d& d : matrices.D) d *= input.unit_mass;
-    for (double& m : matrices.m) m *= input.unit_mass;
+    scale(part.matrices.emplace(
+              read_matrices(input.stiffness, input.mass_matrix, input.damping_matrix, part.mesh)),
+          input.unit_mass, input.unit_length);
     part.messages.push_back(fmt::format("stiffness and mass are those of {} and {}",
                                         input.stiffness.filename().string(),
                                         input.mass_matrix.filename().string()));
   }
-  if (part.matrices) {
-    part.mesh.shells.clear();  // their stiffness is in the matrices
-  } else {
+  if (!part.matrices) {
     part.bars = std::move(model.bars);
     for (mesh::ImportedBar& bar : part.bars)
       if (const mesh::ImportedMaterial& of = model.materials[static_cast<std::size_t>(bar.material)];

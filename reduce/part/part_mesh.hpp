@@ -8,6 +8,7 @@
 #include "mesh/import/imported.hpp"
 #include "reduce/assembly/input/part.hpp"
 #include "reduce/part/part_input.hpp"
+#include "reduce/part/read_matrices.hpp"
 
 /// What a part is reduced from, wherever it came from: a CAD file meshed here, or a mesh or deck of another
 /// program with its materials, ties and masses.
@@ -32,7 +33,7 @@ struct PartMesh {
   mesh::Mesh mesh;
   std::vector<mesh::Face> faces;  ///< of the CAD part; empty for meshes
   std::vector<Material> materials;
-  std::optional<NodalMatrices> matrices;  ///< instead of elements and materials
+  std::optional<GivenMatrices> matrices;  ///< instead of elements and materials
   std::vector<DeckTie> ties;
   std::vector<mesh::ImportedBar> bars;
   std::vector<mesh::ImportedSpring> springs;

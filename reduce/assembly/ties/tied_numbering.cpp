@@ -33,15 +33,15 @@ void TiedNumbering::number_dofs(const Part& part) {
             fmt::format("a cell refers to node {}, but the mesh has nodes 0 to {}", node, n_nodes_ - 1));
       std::fill_n(code_.begin() + 3 * static_cast<std::ptrdiff_t>(node), 3, kPending);
     }
-  mark_rotations(part);
-  for (const Follower& follower : part.followers)
-    std::fill_n(code_.begin() + 3 * static_cast<std::ptrdiff_t>(follower.point), 3, kSlave);
   if (part.matrices) {
     std::fill(code_.begin(), code_.end(), kUnused);
     for (const auto& pair : part.matrices->pairs)
       for (const mesh::Index node : pair)
         std::fill_n(code_.begin() + 3 * static_cast<std::ptrdiff_t>(node), 3, kPending);
   }
+  mark_rotations(part);
+  for (const Follower& follower : part.followers)
+    std::fill_n(code_.begin() + 3 * static_cast<std::ptrdiff_t>(follower.point), 3, kSlave);
   // Nodes that carry only a mass or a link's end follow their rigid tie.
   std::vector<char> carries(n_nodes_, 0);
   for (const NodalMass& mass : part.masses) carries[mass.node] = 1;
