@@ -117,8 +117,8 @@ std::string chosen_name(const std::filesystem::path& path, char letter) {
 bool is_nastran_text(const std::filesystem::path& path) {
   Lines lines(path);
   for (std::string text; lines.next(text);)
-    if (!is_comment(text) && !trimmed(text).empty())
-      return std::isalpha(static_cast<unsigned char>(text.front())) != 0;
+    if (const std::string begin = trimmed(text); !is_comment(begin))
+      return std::isalpha(static_cast<unsigned char>(begin.front())) != 0;
   return false;
 }
 
