@@ -44,9 +44,14 @@ mesh::ImportedModel read_foreign(const PartInput& input) {
   return model;
 }
 
-/// Which nodes belong to elements.
+/// Which nodes belong to elements, or have entries in the matrices that stand for them.
 std::vector<char> nodes_in_cells(const mesh::Mesh& mesh, const PartMesh& part) {
   std::vector<char> inside(mesh.n_nodes(), 0);
+  if (part.matrices) {
+    for (const auto& pair : part.matrices->u.pairs)
+      for (const mesh::Index node : pair) inside[node] = 1;
+    return inside;
+  }
   for (const mesh::ImportedBar& bar : part.bars)
     for (const mesh::Index node : bar.nodes) inside[node] = 1;
   for (const mesh::ImportedSpring& spring : part.springs)
@@ -258,7 +263,12 @@ PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) 
   }
   const std::vector<char> in_cell = nodes_in_cells(part.mesh, part);
   take_ties(model, in_cell, part);
-  take_masses(model, in_cell, part);
+  if (!part.matrices)
+    take_masses(model, in_cell, part);
+  else if (!model.masses.empty())
+    part.messages.push_back(fmt::format(
+        "the {} point mass{} of the deck {} in the mass matrix that is given, and not added to it",
+        model.masses.size(), model.masses.size() == 1 ? "" : "es", model.masses.size() == 1 ? "is" : "are"));
   if (!part.bars.empty() || !part.springs.empty())
     part.messages.push_back(
         fmt::format("{} beams and rods, {} springs and dampers", part.bars.size(), part.springs.size()));

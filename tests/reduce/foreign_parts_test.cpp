@@ -333,6 +333,26 @@ reference = [4, 0.5, 0.5]
   for (int k = 0; k < 6; ++k) EXPECT_NEAR(hertz(condensed(6 + k)) / guyan[k], 1.0, 1e-6) << k;
 }
 
+// Other programs' mass matrices hold the point masses of their decks.
+TEST_F(ForeignPart, PointMassesAreNotAddedToTheirMatrix) {
+  const std::string deck =
+      put("masses.inp",
+          "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n*ELEMENT, TYPE=MASS, ELSET=P\n1, 2\n"
+          "*MASS, ELSET=P\n5.\n*ELEMENT, TYPE=S3, ELSET=E\n2, 1, 2, 3\n*SHELL SECTION, ELSET=E, MATERIAL=M\n"
+          "0.01\n*MATERIAL, NAME=M\n*ELASTIC\n1e9, 0.3\n*DENSITY\n1.\n")
+          .string();
+  const ModelledPart modelled = part(
+      deck, "[matrices]\nstiffness = \"" + put("K.mtx", "1 1 2\n4 4 1\n7 7 1\n1 4 -1\n1 7 -1\n").string() +
+                "\"\nmass = \"" +
+                put("M.mtx", "1 1 1\n2 2 1\n3 3 1\n4 4 6\n5 5 6\n6 6 6\n7 7 1\n8 8 1\n9 9 1\n").string() +
+                "\"\n[interface.a]\nby = \"nodes\"\nnodes = [1, 2, 3]\ntie = \"rigid\"\n");
+  EXPECT_TRUE(modelled.part.masses.empty());
+  EXPECT_THAT(modelled.notes, Contains(HasSubstr("1 point mass of the deck is in the mass matrix")));
+  ReductionOptions options;
+  options.n_modes = 0;
+  EXPECT_NEAR(craig_bampton(modelled.part, options).inertia.mass, 8.0, 1e-12);
+}
+
 TEST_F(ForeignPart, MatricesThatDoNotFitTheNodesAreRefused) {
   const std::string nodes = put("nodes.csv", "1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n").string();
   const auto with = [&](const std::string& K, const std::string& M) {
@@ -345,6 +365,25 @@ TEST_F(ForeignPart, MatricesThatDoNotFitTheNodesAreRefused) {
   EXPECT_THAT(with("1 2 5\n2 1 6\n", "1 1 1\n"),
               AllOf(HasSubstr("line 2"), HasSubstr("mirror image differ")));
   EXPECT_THAT(with("1 1 5\n", "1 1 1\n2 2 2\n3 3 1\n"), HasSubstr("not the same in the three directions"));
+  // Six rows a node: consistent beams, inertia that nothing holds, points of modes.
+  const std::string turning = "1, 4, 1, 4, 5.\n1, 1, 1, 1, 5.\n";
+  EXPECT_THAT(with(turning, "1, 1, 1, 5, 2.\n1, 2, 1, 4, 2.\n"),
+              AllOf(HasSubstr("as no offset of a mass does"), HasSubstr("COUPMASS")));
+  EXPECT_THAT(with(turning, "2, 4, 2, 4, 1.\n"),
+              AllOf(HasSubstr("node 2 has rotary inertia"), HasSubstr("K.mtx")));
+  EXPECT_THAT(with(turning, "1, 7, 1, 1, 1.\n"), HasSubstr("direction 7 is none of 1 to 6"));
+  const std::string head = "DMIG    KFLEX          0       6       2\n";
+  EXPECT_THAT(
+      with(
+          head +
+              "DMIG*   KFLEX                  1000001               0\n*               1000001               "
+              "0  1.000000000D+00\n",
+          ""),
+      HasSubstr("scalar point"));
+  EXPECT_THAT(with("DMIG    K       0       6       3\n", ""),
+              AllOf(HasSubstr("line 1"), HasSubstr("complex")));
+  EXPECT_THAT(with("DMIG    K1      0       6       1\nDMIG    K2      0       6       1\n", ""),
+              AllOf(HasSubstr("2 of its DMIG"), HasSubstr("K1, K2")));
   EXPECT_THAT(refusal(nodes, "[interface.a]\nby = \"nodes\"\nnodes = [1]\n"),
               HasSubstr("add a table [matrices]"));
 }
