@@ -57,6 +57,13 @@ nlohmann::json json_of(const std::optional<double>& value) {
   return value ? nlohmann::json(*value) : nlohmann::json();
 }
 
+// A vibration whose real part is less than what round-off may make of it, where that is no small ratio: not known, rather than none.
+bool loses_damping(const mbs::NaturalMode& mode) {
+  constexpr double kSmallRatio = 1e-4;
+  return mode.eigenvalue.imag() != 0.0 && mode.eigenvalue.real() == 0.0 &&
+         mode.noise > kSmallRatio * std::abs(mode.eigenvalue);
+}
+
 // With the shapes, complex, in the coordinates that are named once.
 nlohmann::json to_json(const NamedRun& run, const std::vector<mbs::NaturalMode>& modes,
                        const mbs::AskedDamping& asked, int count) {
@@ -69,10 +76,10 @@ nlohmann::json to_json(const NamedRun& run, const std::vector<mbs::NaturalMode>&
     if (static_cast<int>(list.size()) == count) break;
     const Eigen::VectorXd real = mode.shape.real(), imag = mode.shape.imag();
     list.push_back({{"number", list.size() + 1},
-                    {"real_1_s", mode.eigenvalue.real()},
+                    {"real_1_s", loses_damping(mode) ? json() : json(mode.eigenvalue.real())},
                     {"imag_1_s", mode.eigenvalue.imag()},
                     {"frequency_hz", mode.frequency_hz},
-                    {"damping", mode.damping},
+                    {"damping", loses_damping(mode) ? json() : json(mode.damping)},
                     {"asked_damping", json_of(asked.of(mode))},
                     {"moves_most", moves_most(m, mode.shape.cwiseAbs())},
                     {"shape",
@@ -214,11 +221,12 @@ int print_modes(const Arguments& arguments, const terminal::Verbosity& verbosity
       round_off = std::max(round_off, 1e-12 * std::abs(mode.eigenvalue));
     for (const mbs::NaturalMode& mode : modes) {
       if (++index > arguments.count) break;
-      const bool is_undamped = std::abs(mode.eigenvalue.real()) < round_off;
+      const bool is_undamped = std::abs(mode.eigenvalue.real()) < round_off, is_lost = loses_damping(mode);
       std::vector<std::string> row = {
-          fmt::format("{}", index), number(is_undamped ? 0.0 : mode.eigenvalue.real(), 6),
+          fmt::format("{}", index), is_lost ? "?" : number(is_undamped ? 0.0 : mode.eigenvalue.real(), 6),
           number(mode.eigenvalue.imag(), 6), number(mode.frequency_hz, 6),
-          number(is_undamped && mode.eigenvalue.imag() != 0.0 ? 0.0 : 100.0 * mode.damping, 4)};
+          is_lost ? "?"
+                  : number(is_undamped && mode.eigenvalue.imag() != 0.0 ? 0.0 : 100.0 * mode.damping, 4)};
       if (asked.any()) {
         const std::optional<double> ratio = asked.of(mode);
         row.push_back(ratio ? number(100.0 * *ratio, 4) : "");

@@ -123,6 +123,7 @@ int compute(const Arguments& a, const terminal::Verbosity& verbosity) {
   const results::Results file = results::read(a.file);
   std::vector<Column> columns;
   std::vector<std::string> runs;
+  std::string left_out;
   for (const results::Run& run : file.runs) {
     runs.push_back(run.name);
     if (!a.run.empty() && run.name != a.run) continue;
@@ -132,15 +133,20 @@ int compute(const Arguments& a, const terminal::Verbosity& verbosity) {
       try {
         column.spectrum = results::amplitude_spectrum(run.time, run.values.col(place), from, to, window);
       } catch (const std::invalid_argument& error) {
-        throw std::invalid_argument(fmt::format("{}: run \"{}\": {}", a.file, run.name, error.what()));
+        const std::string why = fmt::format("{}: run \"{}\": {}", a.file, run.name, error.what());
+        if (!a.run.empty() || file.runs.size() == 1) throw std::invalid_argument(why);
+        left_out = why;
+        continue;
       }
       if (!a.speed.empty()) column.base = base_of(run, a, from, to);
       columns.push_back(std::move(column));
     }
   }
+  if (columns.empty() && !left_out.empty()) throw std::invalid_argument(left_out);
   if (columns.empty())
     throw std::invalid_argument(
         fmt::format("{}: there is no run \"{}\"{}", a.file, a.run, input::suggestion(a.run, runs)));
+  if (!left_out.empty()) terminal::say(stderr, "note: " + left_out + "; it is left out");
   if (!a.output.empty()) write_table(columns, a.output);
   nlohmann::json told = nlohmann::json::array();
   for (const Column& c : columns) {
@@ -154,9 +160,12 @@ int compute(const Arguments& a, const terminal::Verbosity& verbosity) {
                                         terminal::number(s.amplitude(k), 4)};
       lines.push_back({{"frequency_hz", s.frequency(k)}, {"amplitude", s.amplitude(k)}});
       if (c.base) {
-        cells.push_back(terminal::number(s.frequency(k) / c.base->frequency, 4));
+        // Of a speed that goes from nothing to twice its mean no order means anything.
+        const bool is_steady = c.base->most - c.base->least < 0.5 * c.base->frequency;
+        cells.push_back(is_steady ? terminal::number(s.frequency(k) / c.base->frequency, 4) : "?");
         cells.push_back(order_mark(c, s.frequency(k)));
-        lines.back()["order"] = s.frequency(k) / c.base->frequency;
+        lines.back()["order"] =
+            is_steady ? nlohmann::json(s.frequency(k) / c.base->frequency) : nlohmann::json();
       }
       table.add_row(cells);
     }

@@ -65,14 +65,15 @@ double real(const std::string& text, const Lines& lines) {
   char* end = nullptr;
   const double value = std::strtod(number.c_str(), &end);
   if (number.empty() || *end != '\0' || !std::isfinite(value))
-    lines.refuse(fmt::format("\"{}\" is no finite number", text));
+    lines.refuse(fmt::format("\"{}\" is no finite number; write 1.5, 1.5E-3, 1.5D-3 or 1.5-3", text));
   return value;
 }
 
 std::int64_t integer(const std::string& text, const Lines& lines) {
   char* end = nullptr;
   const std::int64_t value = std::strtoll(text.c_str(), &end, 10);
-  if (text.empty() || *end != '\0') lines.refuse(fmt::format("\"{}\" is no whole number", text));
+  if (text.empty() || *end != '\0')
+    lines.refuse(fmt::format("\"{}\" is no whole number; give a grid or a component", text));
   return value;
 }
 
@@ -97,8 +98,9 @@ std::vector<std::string> names_in(const std::filesystem::path& path) {
 std::string chosen_name(const std::filesystem::path& path, char letter) {
   const std::vector<std::string> names = names_in(path);
   if (names.empty())
-    throw std::invalid_argument(path.string() +
-                                ": holds no DMIG matrix with its first card (DMIG, NAME, 0, form, types)");
+    throw std::invalid_argument(
+        path.string() +
+        ": holds no DMIG matrix with its first card; let it begin with DMIG, NAME, 0, form, types");
   if (names.size() == 1) return names.front();
   std::vector<std::string> fit;
   for (const std::string& name : names)
@@ -130,7 +132,7 @@ void read_dmig(const std::filesystem::path& path, char letter,
   DmigEntry entry{};
   const auto component = [&](const std::string& text) {
     const std::int64_t c = text.empty() ? 0 : integer(text, lines);
-    if (c < 0 || c > 6) lines.refuse(fmt::format("component {} is none of 0 to 6", c));
+    if (c < 0 || c > 6) lines.refuse(fmt::format("component {} must be one of 0 to 6", c));
     return static_cast<int>(c);
   };
   for (std::string text; lines.next(text);) {

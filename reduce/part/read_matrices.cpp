@@ -225,7 +225,7 @@ GivenMatrices read_mass_matrix(const std::filesystem::path& mass, const mesh::Me
     if (!turns(pair[0]) && !turns(pair[1])) {
       const double m = block.trace() / 3.0;
       if ((block - m * Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 1e-6 * greatest[0])
-        refuse("is not the same in the three directions");
+        refuse("must be the same in the three directions");
       out.u.pairs.push_back(nodes);
       out.u.K.push_back(Eigen::Matrix3d::Zero());
       out.u.m.push_back(m);
@@ -239,7 +239,7 @@ GivenMatrices read_mass_matrix(const std::filesystem::path& mass, const mesh::Me
     } else {
       // u . (theta x c) = -u . [c] theta
       if ((block + block.transpose()).cwiseAbs().maxCoeff() > printed)
-        refuse("couples displacements and rotations as no offset of a mass does");
+        refuse("must couple displacements and rotations as an offset of a mass does");
       const Eigen::Matrix3d of_u = turns(pair[1]) ? block : Eigen::Matrix3d(block.transpose());
       const Eigen::Vector3d c(of_u(1, 2) - of_u(2, 1), of_u(2, 0) - of_u(0, 2), of_u(0, 1) - of_u(1, 0));
       (turns(pair[1]) ? to.moment_of_second : to.moment_of_first) = 0.5 * c;

@@ -18,7 +18,7 @@ double most_of(const std::filesystem::path& path) {
 
 Lines::Lines(const std::filesystem::path& path)
     : path_(path), file_(gzopen(path.c_str(), "rb"), gzclose), most_(most_of(path)) {
-  if (!file_) throw std::invalid_argument(path.string() + ": there is no such file");
+  if (!file_) throw std::invalid_argument(path.string() + ": there is no such file; check the path");
 }
 
 bool Lines::next(std::string& line) {
@@ -30,7 +30,8 @@ bool Lines::next(std::string& line) {
     line += buffer;
     if (static_cast<double>(gztell(file_.get())) > most_)
       refuse("unpacks to more than 20 times the file's size; give the matrix unpacked");
-    if (line.size() > longest) refuse(fmt::format("is longer than {} letters; is this a matrix?", longest));
+    if (line.size() > longest)
+      refuse(fmt::format("is longer than {} letters; give a matrix, a row on each line", longest));
     if (line.empty()) refuse("holds a zero character; a text file is wanted");
     if (line.back() == '\n') return true;
   }

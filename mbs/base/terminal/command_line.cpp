@@ -326,6 +326,9 @@ int guarded(const std::function<int()>& work) {
   } catch (const std::exception& failure) {
     print_error(std::ferror(stdout) ? "standard output cannot be written; what was printed is not whole"
                                     : failure.what());
+  } catch (...) {  // of a library of the user's
+    print_error(
+        "an element of a user's library throws what is no std::exception; let it throw std::runtime_error");
   }
   return 1;
 }

@@ -4,6 +4,11 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
 #include "mbs/base/documents/shown_text.hpp"
 #include "mbs/file/elements/library_file.hpp"
 #include "mbs/mechanism/user_element.hpp"
@@ -135,6 +140,31 @@ UserArguments arguments_of(const std::string& name, const Section& s, const Read
   return arguments;
 }
 
+// What would go wrong in silence: states that are none, and an output that follows signals which it should not see.
+void require_sound(const Section& s, const Control& control) {
+  if (control.n_states() < 0 || control.n_switches() < 0)
+    s.refuse("element",
+             fmt::format("has {} states and {} switches", control.n_states(), control.n_switches()),
+             "mend its n_states() or n_switches()");
+  if (control.feeds_through() || control.is_algebraic()) return;
+  int last = 0;
+  for (const int k : control.reads()) last = std::max(last, k);
+  const std::vector<double> unknown(static_cast<std::size_t>(last) + 1,
+                                    std::numeric_limits<double>::quiet_NaN());
+  std::vector<double> c(static_cast<std::size_t>(control.n_states()) + 1, 0.0);
+  control.start(c.data());
+  const auto follows = [&] {
+    try {
+      return std::isnan(control.output(unknown.data(), c.data()));
+    } catch (const std::exception&) {  // of a formula, whose value is no number
+      return true;
+    }
+  };
+  if (follows())
+    s.refuse("element", "gives an output that follows its inputs at once, and does not say so",
+             "override feeds_through() and name it in direct_controls");
+}
+
 }  // namespace
 
 ForceType user_force() {
@@ -176,8 +206,10 @@ ControlType user_control() {
     UserArguments arguments = common_arguments(name, s, c);
     read_inputs(s, c, arguments);
     const bool direct = library.elements().direct_controls.contains(s.text("element"));
-    std::shared_ptr<const Control> control = library.make(
-        direct ? library.elements().direct_controls : library.elements().controls, "control", s, arguments);
+    UserElements::Makers<Control> all = library.elements().controls;
+    all.insert(library.elements().direct_controls.begin(), library.elements().direct_controls.end());
+    std::shared_ptr<const Control> control = library.make(all, "control", s, arguments);
+    require_sound(s, *control);
     if (control->feeds_through() != direct)
       s.refuse("element", direct ? "stands in direct_controls of its library and does not feed through"
                                  : "feeds through and does not stand in direct_controls of its library");

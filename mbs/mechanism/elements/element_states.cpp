@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -191,6 +192,12 @@ void ElementStates::roots(Motion& motion, const Signals& signals, VectorRef valu
     own_states(i, motion, signals);
     tree_.d.forces[i]->switching(motion.kin, signals.values.data(), values.data() + first_switch_[i]);
   }
+  for (int i = 0; i < first_switch_.back(); ++i)
+    if (std::isnan(values(i)))
+      throw std::runtime_error(
+          fmt::format("the switching function of \"{}\" is not a number at t = {:.9g} s; it must be one "
+                      "wherever the motion leads",
+                      name_of_root(i), motion.kin.t));
   for (std::size_t i = 0; i < conditions_.size(); ++i)
     values(first_switch_.back() + static_cast<int>(i)) =
         conditions_[i].formula->switching(conditions_[i].node, signals.values.data());

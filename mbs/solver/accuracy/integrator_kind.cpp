@@ -48,7 +48,7 @@ const std::vector<IntegratorKind>& integrator_kinds() {
        .doc = "positions, velocities, accelerations and drive forces where drives prescribe the whole "
               "motion; bodies "
               "deform as their loads and the inertia of that motion have them, without vibration "
-              "(kineto-elastostatics)",
+              "(kineto-elastostatics), which accelerations and drive forces leave out",
        .method = Method::kinematics,
        .integrates = false},
       {.name = "quasi_statics",

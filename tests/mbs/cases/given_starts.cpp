@@ -87,7 +87,12 @@ TEST_F(GivenStarts, FrictionSticksWhereAForceReadsAReaction) {
     ASSERT_NO_THROW(find_equilibrium(*p.mechanism, p.state));
     const VectorXd found = now(p, {"j0.position", "j1.position"});
     EXPECT_NEAR(found(0), (f + c * (m_0 + m_1) * 9.81) / k, 1e-9);
-    EXPECT_NEAR(found(1), x_1, 1e-9);
+    // The spring of what sticks, 2 kN/m, gives way; past the limit of 8 N it slides and sticks again.
+    const double held = k_1 * x_1 / (k_1 + 2000.0);
+    if (std::abs(2000.0 * held) < 8.0)
+      EXPECT_NEAR(found(1), held, 1e-9);
+    else
+      EXPECT_LE(std::abs(k_1 * (x_1 - found(1))), 8.0 * (1.0 + 1e-9));
   }
 }
 

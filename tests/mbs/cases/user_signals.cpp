@@ -97,6 +97,42 @@ class Counter final : public DifferencedControl {
   UserArguments a_;
 };
 
+/// The same, and does not say that it feeds through.
+class Hidden final : public DifferencedControl {
+ public:
+  explicit Hidden(const UserArguments& a) : DifferencedControl(a.name), a_(a) {}
+  std::string_view type() const override { return "hidden"; }
+  int n_states() const override { return 0; }
+  void start(double*) const override {}
+  void rates(const double*, const double*, double*) const override {}
+  double output(const double* signals, const double*) const override {
+    return a_.inputs.at(0)->evaluate(signals);
+  }
+  std::vector<int> reads() const override { return a_.reads(); }
+
+ private:
+  UserArguments a_;
+};
+
+/// A switch whose function is no number once the input is above 0.5.
+class Unsure final : public DifferencedControl {
+ public:
+  explicit Unsure(const UserArguments& a) : DifferencedControl(a.name), a_(a) {}
+  std::string_view type() const override { return "unsure"; }
+  int n_states() const override { return 0; }
+  void start(double*) const override {}
+  void rates(const double*, const double*, double*) const override {}
+  double output(const double*, const double*) const override { return 0.0; }
+  std::vector<int> reads() const override { return a_.reads(); }
+  int n_switches() const override { return 1; }
+  void switching(const double* signals, const double*, double* values) const override {
+    values[0] = a_.inputs.at(0)->evaluate(signals) > 0.5 ? std::nan("") : 1.0;
+  }
+
+ private:
+  UserArguments a_;
+};
+
 /// The distance of two markers less an input.
 class Gap final : public DifferencedMeasure {
  public:
@@ -142,6 +178,8 @@ FLEXURA_ELEMENTS(elements) {
   elements.controls["cubic"] = make<Cubic>();
   elements.controls["counter"] = make<Counter>();
   elements.controls["misplaced"] = make<Saturation>();
+  elements.controls["hidden"] = make<Hidden>();
+  elements.controls["unsure"] = make<Unsure>();
   elements.direct_controls["saturation"] = make<Saturation>();
   elements.measures["gap"] = make<Gap>();
   elements.measures["flow"] = make<Flow>();

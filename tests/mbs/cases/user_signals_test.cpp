@@ -133,6 +133,13 @@ TEST_F(UserSignals, RefuseWhatTheFileOrTheLibraryGetsWrong) {
               HasSubstr("inputs has 0 entries, 1 are wanted"));
   EXPECT_THAT(with("[control.x]\n" + user("misplaced", "inputs = [\"t\"]\nvalues = { size = 1 }\n")),
               HasSubstr("feeds through and does not stand in direct_controls"));
+  EXPECT_THAT(with("[control.x]\n" + user("hidden", "inputs = [\"t\"]\n")),
+              HasSubstr("gives an output that follows its inputs at once, and does not say so"));
+  const PreparedMechanism unsure =
+      prepared(wheel + "[control.x]\n" + user("unsure", "inputs = [\"t\"]\n") + solver);
+  EXPECT_THAT(
+      test::refusal_of([&] { run(*unsure.mechanism, unsure.state, unsure.v_dot, unsure.options, {}); }),
+      HasSubstr("the switching function of \"x.switch_1\" is not a number at t = "));
   EXPECT_THAT(with("[control.x]\n" + user("gap", "")), HasSubstr("no control of this name"));
   EXPECT_THAT(with("[measure.x]\n" + user("gapp", "")), HasSubstr("did you mean \"gap\"?"));
   // What it reads is known to the library alone.
