@@ -5,102 +5,20 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
 #include "tests/mbs/random/chance.hpp"
+#include "tests/properties/bennett.hpp"
 #include "tests/properties/one_freedom.hpp"
 
 namespace flexura::properties {
 namespace {
 
-using Eigen::Isometry3d;
-using Eigen::Vector3d;
 using mbs::chance::Chance;
 
 constexpr double kTolerances[] = {1e-4, 1e-6, 1e-8};
-
-/// Links of lengths a, b, a, b and twists alpha, beta, alpha, beta with sin(alpha) / a = sin(beta) / b (G. T. Bennett, Engineering 76
-/// (1903) 777): opposite angles are equal and opposite, and tan(theta_1 / 2) tan(theta_2 / 2) = sin((beta + alpha) / 2) /
-/// sin((beta - alpha) / 2).  The last link is the ground.
-struct Bennett {
-  double alpha, beta, a;
-  double b() const { return a * std::sin(beta) / std::sin(alpha); }
-  double product() const { return std::sin(0.5 * (beta + alpha)) / std::sin(0.5 * (beta - alpha)); }
-  double length(int link) const { return link == 1 ? b() : a; }
-  double twist(int link) const { return link == 1 ? beta : alpha; }
-  std::array<double, 3> angles(double theta) const {
-    // Without the pole at pi; continuous over turns up to 2 pi, which rotations do not see.
-    const double second = 2.0 * std::atan2(product() * std::cos(0.5 * theta), std::sin(0.5 * theta));
-    return {theta, second, -theta};
-  }
-  std::array<Isometry3d, 3> poses(double theta) const {
-    std::array<Isometry3d, 3> out;
-    Isometry3d at = Isometry3d::Identity();
-    const std::array<double, 3> q = angles(theta);
-    for (int k = 0; k < 3; ++k) {
-      at.rotate(Eigen::AngleAxisd(q[static_cast<std::size_t>(k)], Vector3d::UnitZ()));
-      out[static_cast<std::size_t>(k)] = at;
-      at.translate(Vector3d(length(k), 0, 0));
-      at.rotate(Eigen::AngleAxisd(twist(k), Vector3d::UnitX()));
-    }
-    return out;
-  }
-  // A rod of 1 kg/m in each link: twice the kinetic energy at 1 rad/s, by differences of order 4.
-  double inertia(double theta) const {
-    constexpr double h = 1e-3;
-    const auto at = [&](double d) { return poses(theta + d); };
-    const auto m2 = at(-2 * h), m1 = at(-h), p1 = at(h), p2 = at(2 * h), now = at(0.0);
-    double sum = 0.0;
-    for (int k = 0; k < 3; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      const double l = length(k);
-      const Vector3d centre(0.5 * l, 0, 0);
-      const auto rate = [&](const auto& of) {
-        return (8.0 * (of(p1[i]) - of(m1[i])) - (of(p2[i]) - of(m2[i]))).eval() / (12.0 * h);
-      };
-      const Vector3d v = rate([&](const Isometry3d& x) -> Vector3d { return x * centre; });
-      const Eigen::Matrix3d R_dot = rate([](const Isometry3d& x) -> Eigen::Matrix3d { return x.linear(); });
-      const Eigen::Matrix3d W = now[i].linear().transpose() * R_dot;
-      const Vector3d w(W(2, 1), W(0, 2), W(1, 0));
-      sum +=
-          l * v.squaredNorm() + l * 1e-3 * w.x() * w.x() + l * l * l / 12.0 * (w.y() * w.y() + w.z() * w.z());
-    }
-    return sum;
-  }
-};
-
-std::string text_of(const Bennett& linkage, double theta, double speed) {
-  std::string text = fmt::format(
-      "gravity = [0,0,0]\n[ground.marker.g]\nposition = [{},0,0]\naxis = [0,{},{}]\nx_axis = [1,0,0]\n",
-      -linkage.b(), std::sin(linkage.beta), std::cos(linkage.beta));
-  const std::array<double, 3> q = linkage.angles(theta);
-  for (int k = 0; k < 3; ++k) {
-    const double l = linkage.length(k), twist = linkage.twist(k);
-    text += fmt::format(R"(
-[body.b{0}]
-mass = {1}
-center = [{2},0,0]
-inertia = [{3},{4},{4}]
-[body.b{0}.marker.d]
-position = [{1},0,0]
-axis = [0,{5},{6}]
-x_axis = [1,0,0]
-[joint.j{0}]
-type = "revolute"
-from = "{7}"
-to = "b{0}"
-angle = "{8} rad"
-)",
-                        k, l, 0.5 * l, 1e-3 * l, l * l * l / 12.0, -std::sin(twist), std::cos(twist),
-                        k == 0 ? "ground" : fmt::format("b{}.d", k - 1), q[static_cast<std::size_t>(k)]);
-    if (k == 0) text += fmt::format("speed = {}\n", speed);
-  }
-  return text + "[joint.j3]\ntype = \"revolute\"\nfrom = \"b2.d\"\nto = \"ground.g\"\n";
-}
 
 // No force acts, so that the energy I(theta) theta'^2 / 2 says how fast it turns, and the time is the integral of 1 / theta'.
 TEST(Overconstrained, BennettLinkagesTurnOnWithTheirEnergy) {
@@ -113,7 +31,7 @@ TEST(Overconstrained, BennettLinkagesTurnOnWithTheirEnergy) {
     const std::string method = kMethods[seed % 4];
     const double end = 2.0 * std::numbers::pi * turns / std::abs(speed);
     const std::string text =
-        text_of(linkage, theta, speed) +
+        text_of(linkage, theta, fmt::format("angle = \"{} rad\"\nspeed = {}\n", theta, speed)) +
         fmt::format("[solver]\nend_time = {}\ntolerance = {}\nmethod = \"{}\"\n", end, tolerance, method);
     const std::string which = fmt::format("seed {} by {} to {}\n{}", seed, method, tolerance, text);
     std::string trouble;

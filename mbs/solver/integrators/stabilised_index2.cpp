@@ -19,7 +19,6 @@ StabilisedIndex2::StabilisedIndex2(const Equations& eq, const State& start)
   z_.setZero(n_.n_v + n_.n_dyn + n_.n_alg);
   p_dot_.setZero(n_.n_p);
   S_.setOnes(n_.n_v);
-  for (int k = 0; k < n_.n_lambda; ++k) holonomic_.push_back(eq.is_holonomic(k));
   set_start(start);
 }
 
@@ -28,6 +27,8 @@ StabilisedIndex2::~StabilisedIndex2() = default;
 void StabilisedIndex2::set_start(const State& s) {
   s_ = s;
   forget_structure();
+  holonomic_.clear();
+  for (int k = 0; k < n_.n_lambda; ++k) holonomic_.push_back(eq_.is_holonomic(k));
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n_.n_v, n_.n_v);
   eq_.mass_matrix(s.p, *scratch_, M);
   for (int i = 0; i < n_.n_v; ++i) S_(i) = M(i, i) > 0.0 ? 1.0 / M(i, i) : 1.0;

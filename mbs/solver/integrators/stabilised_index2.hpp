@@ -42,7 +42,7 @@ class StabilisedIndex2 {
   int at_lambda() const { return at_a() + n_.n_alg; }
   int at_mu() const { return at_lambda() + n_.n_lambda; }
 
-  /// Fixes S at this state and the switches until the next call.
+  /// Fixes S at this state, the switches and which rows have a position level until the next call.
   void set_start(const State& s);
   const Eigen::VectorXd& S() const { return S_; }  ///< n_v, its diagonal
 

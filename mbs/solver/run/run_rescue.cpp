@@ -1,7 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -34,22 +33,6 @@ std::string fastest(const Equations& eq, const Eigen::VectorXd& v_dot) {
       which = i;
     }
   return which < 0 ? "a state of an element" : "\"" + eq.name_of_velocity(which) + "\"";
-}
-
-// What the weakest of the kept rows holds beside the others, in parts of the strongest, each measured by its size: a row that
-// vanishes for an instant is as bad as one that depends on others.
-double hold_of_rows(const Equations& eq, const State& s, Equations::Scratch& scratch) {
-  const Sizes n = eq.sizes();
-  if (n.n_lambda == 0) return 1.0;
-  if (n.n_lambda > n.n_v) return 0.0;
-  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n.n_lambda, n.n_v);
-  eq.constraint_matrix(s, s.p, scratch, G);
-  const Eigen::VectorXd size = eq.constraint_sizes(s, s.p, scratch).size.cwiseMax(1e-300);
-  for (int i = 0; i < n.n_v; ++i) G.col(i) *= eq.velocity_scale(i);
-  G = (size.cwiseInverse().asDiagonal() * G).eval();
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(G.transpose());
-  const auto R = qr.matrixR().diagonal().cwiseAbs();
-  return R(0) > 0.0 ? R(n.n_lambda - 1) / R(0) : 0.0;
 }
 
 }  // namespace

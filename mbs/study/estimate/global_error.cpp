@@ -50,8 +50,9 @@ std::unique_ptr<GlobalError> GlobalError::make(const mbs::PreparedMechanism& run
 
 GlobalError::GlobalError(const mbs::PreparedMechanism& run)
     : run_(run),
-      equation_(*run.mechanism, run.state, run.options),
-      closer_(*run.mechanism, run.options),
+      rows_(*run.mechanism, run.options),
+      equation_(rows_.equations(), run.state, run.options),
+      closer_(rows_.equations(), run.options),
       scratch_(run.mechanism->make_scratch()),
       which_(judged_outputs(run, *run.mechanism, outputs_)),
       families_(*run.mechanism, length_of(run)) {
@@ -78,7 +79,8 @@ void GlobalError::watch(mbs::RunCallbacks& callbacks) {
 void GlobalError::restart(const mbs::State& s, const VectorXd& v_dot, const mbs::IntegratorKind& kind) {
   const Clock clock(wall_);
   advance(true);
-  equation_.restart(s, v_dot, kind.steps_of_error);
+  longest_span_ = kind.steps_of_error;
+  equation_.restart(s, v_dot, longest_span_);
   // Steps may leave the constraints, where a restart has velocities that keep to them.
   if (has_stepped_ && jumps(last_.v, s.v)) closer_.close(last_);
   closes_steps_ = kind.method == mbs::Method::generalised_alpha && run_.mechanism->sizes().n_lambda > 0;
@@ -92,15 +94,32 @@ void GlobalError::step(const mbs::Instant& begin, const std::array<mbs::Instant,
   // A run that goes on from where another one ended: what that one has lost is not known.
   if (!has_stepped_) {
     misses_part_ = true;
-    equation_.restart(begin.state, begin.v_dot, mbs::kind_of(run_.options).steps_of_error);
+    longest_span_ = mbs::kind_of(run_.options).steps_of_error;
+    equation_.restart(begin.state, begin.v_dot, longest_span_);
     has_stepped_ = true;
   }
-  if (closes_steps_)
-    step_closed(begin, nodes);
-  else
-    equation_.step(begin, nodes);
+  choose_rows(begin, nodes);
+  begin_ = begin;
+  nodes_ = nodes;
+  rows_.take(begin_.state, begin_.v_dot);
+  for (mbs::Instant& node : nodes_) rows_.take(node.state, node.v_dot);
+  if (closes_steps_) close_step();
+  equation_.step(begin_, nodes_);
   last_ = nodes[2].state;
   advance(false);
+}
+
+// Steps that wait have the multipliers of the rows before.
+void GlobalError::choose_rows(const mbs::Instant& begin, const std::array<mbs::Instant, 3>& nodes) {
+  if (!rows_.hold_little(nodes)) return;
+  advance(true);
+  if (!rows_.choose()) return;
+  closer_.forget_factors();
+  // Rates that integrators give at the begin of a step are less accurate than those of a start.
+  end_ = begin;
+  close(end_);
+  equation_.restart(end_.state, end_.v_dot, longest_span_);
+  is_new_ = true;
 }
 
 void GlobalError::close(mbs::Instant& at) {
@@ -109,17 +128,15 @@ void GlobalError::close(mbs::Instant& at) {
 }
 
 // The run moved onto its constraints, as its rows are, with the accelerations that belong to it.
-void GlobalError::step_closed(const mbs::Instant& begin, const std::array<mbs::Instant, 3>& nodes) {
+void GlobalError::close_step() {
   if (is_new_) {
-    end_ = begin;
+    end_ = begin_;
     close(end_);
     is_new_ = false;
   }
   begin_ = end_;
-  nodes_ = nodes;
   close(nodes_[2]);
   end_ = nodes_[2];
-  equation_.step(begin_, nodes_);
 }
 
 void GlobalError::advance(bool end) {
@@ -128,7 +145,7 @@ void GlobalError::advance(bool end) {
 }
 
 void GlobalError::row(const mbs::State& s, const VectorXd& v_dot) {
-  if (rows_++ % every_ != 0) return;
+  if (shown_++ % every_ != 0) return;
   const Clock clock(wall_);
   waiting_.push_back({s, v_dot});
   compare_waiting();
@@ -154,6 +171,7 @@ void GlobalError::compare(const mbs::State& s, const VectorXd& v_dot) {
   try {
     closer_.close(moved_);
     closer_.accelerate(moved_, v_dot_moved_);
+    rows_.show(moved_, v_dot_moved_);
     run_.mechanism->evaluate(which_, moved_, v_dot_moved_, *scratch_, y_moved_);
   } catch (const std::runtime_error&) {
     misses_rows_ = true;  // beyond where the equations hold: the run itself is not

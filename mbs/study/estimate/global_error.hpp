@@ -13,6 +13,7 @@
 #include "mbs/study/estimate/error_equation.hpp"
 #include "mbs/study/estimate/integrator_check.hpp"
 #include "mbs/study/estimate/judged_outputs.hpp"
+#include "mbs/study/estimate/own_rows.hpp"
 
 /// What the integrator costs the outputs of a run, from the run itself: the error of its states
 /// (error_equation.hpp) is taken off those of a row, whose accelerations and multipliers are then solved for, and the
@@ -44,14 +45,16 @@ class GlobalError {
  private:
   explicit GlobalError(const mbs::PreparedMechanism& run);
   void advance(bool end);
+  void choose_rows(const mbs::Instant& begin, const std::array<mbs::Instant, 3>& nodes);
   void close(mbs::Instant& at);
-  void step_closed(const mbs::Instant& begin, const std::array<mbs::Instant, 3>& nodes);
+  void close_step();
   void compare(const mbs::State& s, const Eigen::VectorXd& v_dot);
   void compare_waiting();
   /// Why an error of this size is not told; empty where it is.
   std::string why_unknown(double error) const;
 
   const mbs::PreparedMechanism& run_;
+  OwnRows rows_;
   ErrorEquation equation_;
   mbs::LoopCloser closer_;
   std::unique_ptr<mbs::Equations::Scratch> scratch_;
@@ -59,16 +62,17 @@ class GlobalError {
   std::vector<double> scales_;           // of spent(): what an error is relative to; 0: it does not count
   std::vector<int> which_;
   Families families_;
-  long every_ = 1, rows_ = 0, compared_ = 0;
+  long every_ = 1, shown_ = 0, compared_ = 0;
   bool has_stepped_ = false, has_jumped_ = false, misses_part_ = false, misses_rows_ = false;
+  int longest_span_ = 1;
   double wall_ = 0.0;
   std::vector<mbs::Instant> waiting_;  // rows whose error is not known yet
   mbs::State moved_;
   Eigen::VectorXd e_, y_, y_moved_, v_dot_moved_, squares_, sizes_;
   mbs::State last_;  // where the last step ended
-  // Of steps that leave the constraints: what the equation is given of them.
+  // Steps that leave the constraints are moved onto them.
   bool closes_steps_ = false, is_new_ = true;
-  mbs::Instant begin_, end_;
+  mbs::Instant begin_, end_;  // begin_ and nodes_: what the equation is given of the step
   std::array<mbs::Instant, 3> nodes_;
 };
 

@@ -1,6 +1,8 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #include "mbs/solver/run/watch/standstill.hpp"
 
+#include <Eigen/QR>
+
 #include "mbs/solver/accuracy/scales.hpp"
 #include "mbs/solver/algebra/saddle.hpp"
 
@@ -15,6 +17,20 @@ double independence_of_rows(const Equations& eq, const State& s, Equations::Scra
   rows.factor(eq, M, G);
   if (rank) *rank = static_cast<int>(rows.rank());
   return rows.independence();
+}
+
+double hold_of_rows(const Equations& eq, const State& s, Equations::Scratch& scratch) {
+  const Sizes n = eq.sizes();
+  if (n.n_lambda == 0) return 1.0;
+  if (n.n_lambda > n.n_v) return 0.0;
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n.n_lambda, n.n_v);
+  eq.constraint_matrix(s, s.p, scratch, G);
+  const Eigen::VectorXd size = eq.constraint_sizes(s, s.p, scratch).size.cwiseMax(1e-300);
+  for (int i = 0; i < n.n_v; ++i) G.col(i) *= eq.velocity_scale(i);
+  G = (size.cwiseInverse().asDiagonal() * G).eval();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(G.transpose());
+  const auto R = qr.matrixR().diagonal().cwiseAbs();
+  return R(0) > 0.0 ? R(n.n_lambda - 1) / R(0) : 0.0;
 }
 
 bool stands_still(const Equations& eq, const SolverOptions& options, const State& s,
