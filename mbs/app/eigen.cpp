@@ -59,7 +59,7 @@ nlohmann::json json_of(const std::optional<double>& value) {
 
 // A vibration whose real part is less than what round-off may make of it, where that is no small ratio: not known, rather than none.
 bool loses_damping(const mbs::NaturalMode& mode) {
-  constexpr double kSmallRatio = 1e-4;
+  constexpr double kSmallRatio = 1e-3;  // as lost_in_round_off() tells it
   return mode.eigenvalue.imag() != 0.0 && mode.eigenvalue.real() == 0.0 &&
          mode.noise > kSmallRatio * std::abs(mode.eigenvalue);
 }
