@@ -73,7 +73,10 @@ std::string GrowthWatch::since(std::size_t decades, double energy) const {
 std::string GrowthWatch::suspicion() const {
   constexpr std::size_t kFewer = 6;
   if (!reason_.empty() || decades_.size() <= kFewer) return reason_;
-  return decades_.back().travel > kTravel ? since(kFewer, highest_) : "";
+  const std::size_t end = decades_.size() - 1;
+  const Decade &first = decades_[end - kFewer], &middle = decades_[end - kFewer / 2], &last = decades_[end];
+  const bool is_exponential = last.t - middle.t <= kSlower * (middle.t - first.t);
+  return last.travel > kTravel || is_exponential ? since(kFewer, highest_) : "";
 }
 
 }  // namespace flexura::mbs

@@ -25,7 +25,8 @@ class GrowthWatch {
 
   /// Why the motion is no result any more; empty where it is one.
   const std::string& reason() const { return reason_; }
-  /// Of a run that goes on no further: what it says where the energy grew tenfold six times, too few to be sure; else empty.
+  /// Of a run that goes on no further: what it says where the energy grew tenfold six times, far away or in equal times, too few to
+  /// be sure; else empty.
   std::string suspicion() const;
 
  private:

@@ -86,5 +86,17 @@ TEST(GrowthWatch, AWayFromLightSpeedNewtonEnds) {
   EXPECT_THAT(watch.reason(), HasSubstr("speed of light"));
 }
 
+// Of a run that has to stop: seven factors of ten in equal times within one metre; under a force that has a bound (t^2) they take longer and longer.
+TEST(GrowthWatch, IsSuspectedWhereTheEnergyGrowsInEqualTimes) {
+  GrowthWatch exponential, bounded;
+  for (int i = 0; i <= 8; ++i) {
+    exponential.observe(0.1 * i, std::pow(10.0, i), 1.0, 0.0);
+    bounded.observe(std::pow(10.0, 0.5 * i), std::pow(10.0, i), 1.0, 0.0);
+  }
+  EXPECT_NE(exponential.suspicion(), "");
+  EXPECT_EQ(bounded.suspicion(), "");
+  EXPECT_EQ(exponential.reason(), "");
+}
+
 }  // namespace
 }  // namespace flexura::mbs::test
