@@ -198,8 +198,8 @@ ControlType user_control() {
   type.keys = common_keys();
   type.keys.push_back(key_of_inputs());
   type.feeds_through = [](const Section& s) {
-    const UserElements& elements = Library(s).elements();
-    return elements.direct_controls.contains(s.text("element"));
+    const Library library(s);
+    return library.elements().direct_controls.contains(s.text("element"));
   };
   type.read = [](const std::string& name, const Section& s, const ReadContext& c) {
     const Library library(s);
