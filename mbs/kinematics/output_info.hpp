@@ -13,7 +13,8 @@ enum class OutputRole {
   value,
   energy,           ///< of the energy balance, or the power of it
   mode,             ///< a coordinate of a deformation, which says nothing without its shapes
-  place_of_stress,  ///< where the largest stress is, which leaps
+  place_of_stress,  ///< where the largest stress, strain or displacement is, which leaps
+  deformation,      ///< a length by deformation: small beside where its body is, and asked for all the same
 };
 
 struct OutputInfo {

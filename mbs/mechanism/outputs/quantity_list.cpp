@@ -24,7 +24,10 @@ OutputRole role_of(Quantity::Kind kind, int component) {
       return OutputRole::energy;
     case Quantity::Kind::mode:
       return OutputRole::mode;
+    case Quantity::Kind::largest_displacement:
+      return component == 0 ? OutputRole::deformation : OutputRole::place_of_stress;
     case Quantity::Kind::largest_stress:
+    case Quantity::Kind::largest_strain:
       return component == 0 ? OutputRole::value : OutputRole::place_of_stress;
     default:
       return OutputRole::value;

@@ -162,7 +162,9 @@ Families::Families(const mbs::Mechanism& mechanism, double length)
         infos[i].role == mbs::OutputRole::place_of_stress)
       continue;
     which_.push_back(static_cast<int>(i));
-    owner_.push_back(owner_of(infos[i].name));
+    const bool is_alone = infos[i].role == mbs::OutputRole::deformation;
+    owner_.push_back(is_alone ? std::string() : owner_of(infos[i].name));
+    if (is_alone) alone_.insert(infos[i].name);
     dimension_.push_back(infos[i].dimension);
   }
   y_.setZero(static_cast<Eigen::Index>(which_.size()));
@@ -215,7 +217,7 @@ void Families::judge(std::vector<OutputEstimate>& outputs, bool asked, double to
   const bool corrected = of == Of::deformation;
   for (OutputEstimate& o : outputs) {
     o.scale = o.size_rms;
-    if (const auto own = of_owner.find(owner_of(o.name)); own != of_owner.end())
+    if (const auto own = of_owner.find(owner_of(o.name)); own != of_owner.end() && !alone_.contains(o.name))
       if (const double size = own->second.of(o.dimension); o.scale < kOfOwner * size) o.scale = size;
     const bool is_known = !corrected && o.rms < kKnown * o.size_rms;
     const double correction = std::max(kOfCorrection, kOfNoise * tolerance),

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -83,7 +84,8 @@ class Families {
   double length_, lever_;
   std::unique_ptr<mbs::Equations::Scratch> scratch_;
   std::vector<int> which_;
-  std::vector<std::string> owner_;
+  std::vector<std::string> owner_;  // empty: in no family
+  std::set<std::string> alone_;     // judged by themselves
   std::vector<input::Dimension> dimension_;
   Eigen::VectorXd y_, sum_, squares_;
   long rows_ = 0;
