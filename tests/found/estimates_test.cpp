@@ -239,6 +239,30 @@ TEST_F(Estimates, WhatCancelsInAnOutputIsNoMeasure) {
   }
 }
 
+// The largest displacement of a link, 1e-4 of where the link is: what few modes leave out of it is told of itself, against the run with all modes.
+TEST_F(Estimates, TheLargestDisplacementOfABodyIsJudgedByItself) {
+  const std::filesystem::path tutorial =
+      std::filesystem::path(FLEXURA_SOURCE_DIR) / "docs/tutorials/four_bar";
+  reduce(tutorial / "link.toml");
+  folder_.write("m.toml", read_text(tutorial / "flexible.toml"));
+  const auto displacement = [&](int modes, double* told) {
+    const Run run = simulate(folder_ / "m.toml",
+                             {"body.coupler.displacement=true", fmt::format("body.coupler.modes={}", modes),
+                              "body.coupler.damping=0.05", "solver.initial_deformation=quasi_static",
+                              "output.quantities=[\"coupler.displacement\"]"},
+                             {"--run", "flexible"});
+    if (told) *told = run.estimate.at("truncation").get<double>();
+    return Eigen::VectorXd(results::read(folder_ / "out.h5").runs.at(0).values.col(0));
+  };
+  const Eigen::VectorXd all = displacement(12, nullptr);
+  for (const int modes : {1, 2, 3, 5, 8}) {
+    double told = 0.0;
+    const double error = (displacement(modes, &told) - all).norm() / all.norm();
+    EXPECT_GT(told, 0.3 * error) << modes;
+    EXPECT_LT(told, 3.0 * error) << modes;
+  }
+}
+
 // What is judged is not called unknown: rigid bodies and a second run.
 TEST_F(Estimates, ASecondRunJudgesTheIntegrator) {
   const Run run =
