@@ -169,7 +169,7 @@ void note_unused_stiffening(PreparedMechanism& p, const std::vector<mbs::Natural
   for (std::size_t b = 0; b < motions.size(); ++b) {
     const mbs::BodyDescription& body = p.mechanism->description().bodies[b];
     if (!body.flexible || !body.flexible->acts_back() || body.flexible->has_geometric_stiffness() ||
-        body.superelement.empty() || !(motions[b].V.angular.norm() > 0.01 * lowest) ||
+        !body.is_reduced() || !(motions[b].V.angular.norm() > 0.01 * lowest) ||
         !study::has_stiffening_terms(body))
       continue;
     p.notes.push_back(

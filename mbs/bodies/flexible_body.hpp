@@ -46,12 +46,6 @@ struct NodeMotion {
   Eigen::VectorXd second, rates;                 ///< work space
 };
 
-/// Of a beam.
-struct SlenderBeam {
-  double length = 0.0;             ///< [m]
-  double bending_stiffness = 0.0;  ///< EI of its softer direction [N m^2]
-};
-
 struct DeformationTangents;
 
 class FlexibleBody {
@@ -88,8 +82,6 @@ class FlexibleBody {
   virtual bool is_linear() const { return false; }
   /// False where its stiffness does not know of the loads that it bears.
   virtual bool has_geometric_stiffness() const { return true; }
-  /// Where it is a slender beam: what tells how far it would bend.
-  virtual std::optional<SlenderBeam> slender() const { return std::nullopt; }
   /// Where it deforms in a plane alone: the plane's normal, in B.
   virtual std::optional<Vector3d> stiff_direction() const { return std::nullopt; }
   /// What is known of it in modal coordinates; nullptr where it has none.

@@ -133,6 +133,17 @@ std::shared_ptr<const superelement::Superelement> PreparationCache::read(const f
   return superelements_.emplace(key, std::move(se)).first->second;
 }
 
+std::shared_ptr<const superelement::Superelement> PreparationCache::made(
+    const std::string& key, const std::function<std::shared_ptr<const superelement::Superelement>()>& make) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (const auto found = superelements_.find(key); found != superelements_.end()) return found->second;
+  }
+  auto se = make();
+  const std::scoped_lock lock(mutex_);
+  return superelements_.emplace(key, std::move(se)).first->second;
+}
+
 std::map<std::string, PreparationCache::Counts> PreparationCache::counts() const {
   const std::scoped_lock lock(mutex_);
   return counts_;

@@ -48,6 +48,10 @@ class PreparationCache {
   std::shared_ptr<const superelement::Superelement> read(const std::filesystem::path& file,
                                                          const superelement::Parts& parts);
 
+  /// What `make` makes of content with this key, kept in memory alone.
+  std::shared_ptr<const superelement::Superelement> made(
+      const std::string& key, const std::function<std::shared_ptr<const superelement::Superelement>()>& make);
+
   std::map<std::string, Counts> counts() const;  ///< of each stage that was asked for, and of "superelement"
 
  private:

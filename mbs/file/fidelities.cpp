@@ -78,12 +78,8 @@ const std::vector<Fidelity>& fidelities() {
 
 const Fidelity& fidelity_of(const input::Section& s) {
   const std::string word = s.text("fidelity");
-  const bool is_beam = s.has("beam") && !s.has("superelement");
-  const bool is_planar = is_beam && s.table("beam").flag("planar");
   return *std::ranges::find_if(fidelities(), [&](const Fidelity& f) {
-    if (word != kAutomaticFidelity) return f.name == word;
-    if (!is_beam) return f.of_superelement.has_value();
-    return f.of_beam && f.of_beam->has_elements && (!is_planar || f.of_beam->use.may_be_planar);
+    return word == kAutomaticFidelity ? f.of_superelement.has_value() : f.name == word;
   });
 }
 
@@ -95,18 +91,21 @@ input::Key fidelity_key() {
     const auto add = [&](std::string& list) {
       list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", f.name, f.doc);
     };
-    if (f.of_superelement) add(of_superelement);
-    if (f.of_beam) add(of_beam);
+    if (f.of_superelement)
+      add(of_superelement);
+    else if (f.of_beam)
+      add(of_beam);
   }
   words.push_back(kAutomaticFidelity);
-  return input::choice(
-             "fidelity", words,
-             fmt::format(
-                 "of a superelement: {}; of a beam: {}; {}: flexura simulate chooses among rigid, "
-                 "static, modal and modal-stiffened, and the number of modes, of a beam between rigid "
-                 "and beam with as many elements as it takes, for the run's accuracy (see solver.accuracy; 1 "
-                 "% without it)",
-                 of_superelement, of_beam, kAutomaticFidelity))
+  return input::choice("fidelity", words,
+                       fmt::format("of a superelement, and of a beam ([body.NAME.beam]) that bends little: "
+                                   "{}; of a beam alone: {}; "
+                                   "{}: flexura simulate chooses among rigid, static, modal and "
+                                   "modal-stiffened, and the number "
+                                   "of modes, of a beam that leaves their range beam with as many elements "
+                                   "as it takes, for the "
+                                   "run's accuracy (see solver.accuracy; 1 % without it)",
+                                   of_superelement, of_beam, kAutomaticFidelity))
       .or_default(fidelities().front().name);
 }
 

@@ -48,7 +48,7 @@ const std::vector<Fidelity>& fidelities();
 /// The word that stands for a choice of the program.
 inline constexpr const char* kAutomaticFidelity = "auto";
 
-/// What a body's table asks for: of "auto" the first fidelity that its kind of part can have, until a run chooses.
+/// What a body's table asks for: of "auto" modal, until a run chooses.
 const Fidelity& fidelity_of(const input::Section& s);
 
 /// The key, with all words.

@@ -103,6 +103,11 @@ void read_markers(ReadModel& model, const Section& s, int body, const Pose& X_B,
       if (!m.has("position")) X.p = p;
       carried_at = p;
       if (node >= 0) X.p -= p;  // relative to the node
+    } else if (deforms && d.bodies[static_cast<std::size_t>(body)].of_beam) {
+      // As of a beam of elements: fixed to the section at its root.
+      node = 0;
+      carried_at = model.interfaces[body].front().second;
+      X.p -= carried_at;
     } else if (deforms) {
       model.notes.push_back(
           fmt::format("marker \"{}\" is fixed in the body's floating frame and sees no deformation; "

@@ -22,6 +22,7 @@
 #include "mbs/file/read_tables.hpp"
 #include "mbs/file/subsystem_overrides.hpp"
 #include "mbs/formulas/parameters.hpp"
+#include "mbs/mechanism/beam_superelement.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -32,6 +33,8 @@ constexpr int deepest = 20;
 // In all: files of 330 bytes that place one another ten times each make 1e12 bodies.
 constexpr int most_subsystems = 1000;
 constexpr std::uintmax_t most_bytes = 10'000'000;
+// With their stations at rest, of all beams of a file together, and of each.
+constexpr int modes_of_beams = 240, least_modes_of_beam = 6, most_modes_of_beam = 60, most_judged_beams = 40;
 
 template <class Types>
 const auto& find_type(const Types& types, const std::string& name) {
@@ -111,7 +114,11 @@ void Reader::read_bodies() {
     d.markers.push_back({prefix_ + "ground", base_.body, base_.X_BG, -1});
   }
   read_markers(model_, ground, base_.body, base_.X_BG, prefix_ + "ground", false);
-  for (const auto& [name, s] : root_.table_map("body")) read_body(name, s);
+  const auto bodies = root_.table_map("body");
+  n_beams_ = static_cast<int>(std::ranges::count_if(bodies, [](const auto& entry) {
+    return entry.second.has("beam") && !entry.second.has("superelement");
+  }));
+  for (const auto& [name, s] : bodies) read_body(name, s);
   for (const auto& [name, s] : root_.table_map("subsystem")) read_subsystem(name, s);
 }
 
@@ -221,15 +228,17 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
   const Fidelity& fidelity = fidelity_of(s);
   const bool is_beam =
       s.has("beam") && fidelity.of_beam && !(fidelity.of_superelement && s.has("superelement"));
+  const bool is_reduced_beam = s.has("beam") && !s.has("superelement") && fidelity.of_superelement &&
+                               fidelity.of_superelement->deforms();
   if (!fidelity.of_superelement && !is_beam)
     s.refuse("fidelity", fmt::format("\"{}\" is for beams", fidelity.name),
              fmt::format("describe the beam in [body.{}.beam]", own_name));
   refuse_keys_of_others(s);
   std::shared_ptr<const superelement::Superelement> se;
   BeamPart beam;
-  if (is_beam) {
+  if (is_beam || is_reduced_beam) {
     const Section part = s.table("beam");
-    beam = read_beam_part(part, fidelity.of_beam->use);
+    beam = read_beam_part(part, is_beam ? fidelity.of_beam->use : BeamUse{.may_be_planar = true});
     if (part.has("young") && part.has("density"))
       if (const std::string odd =
               input::odd_material(body.name, 1.5 * part.quantity("young") / (1.0 + part.quantity("poisson")),
@@ -237,6 +246,19 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
           !odd.empty())
         model_.notes.push_back("warning: " + odd);
     interfaces = beam.stations();
+    // Of many rigid beams the estimate would cost more than the run.
+    const bool is_judged = is_reduced_beam || n_beams_ <= most_judged_beams;
+    if (is_judged && (is_reduced_beam || !fidelity.of_beam->has_elements)) {
+      const int modes =
+          std::clamp(modes_of_beams / std::max(1, n_beams_), least_modes_of_beam, most_modes_of_beam);
+      try {
+        body.of_beam = model_.cache.made(fmt::format("{} {}", key_of(beam), modes),
+                                         [&] { return beam_superelement(beam, modes); });
+      } catch (const std::invalid_argument& error) {
+        s.refuse("beam", error.what());
+      }
+    }
+    if (is_reduced_beam) se = body.of_beam;
   } else if (s.has("superelement")) {
     se = load(s, body.name);
     body.superelement = s.file("superelement").string();
@@ -249,14 +271,12 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
       body.inertia = rigid_inertia(*se);
       if (wants_surface_points(s)) body.surface_points = read_surface_points(s, *se, nullptr);
     }
-  } else if (s.has("beam")) {
-    s.refuse("fidelity", fmt::format("\"{}\" needs a superelement", fidelity.name),
-             "reduce the beam (flexura reduce), or use fidelity = \"beam\", \"rod\", \"cable\", \"ancf\", "
-             "\"segments\" or \"rigid\"");
   } else {
     body.inertia = read_inertia(s);
   }
-  if (!se && wants_surface_points(s))
+  if (body.of_beam && !is_reduced_beam && wants_surface_points(s))
+    body.surface_points = read_surface_points(s, *body.of_beam, nullptr);
+  else if (!se && wants_surface_points(s))
     s.refuse("surface_point", "the body has no superelement, whose surface has nodes",
              "give it one, or measure at a marker");
   if (is_placed(s) || !prefix_.empty()) {
@@ -275,9 +295,13 @@ void Reader::read_body(const std::string& own_name, const Section& s) {
                                       ? "a run with twice as many tells"
                                       : fmt::format("a run with --set {}={} tells", key, 2 * beam.elements),
                                   key, beam.elements});
-    // What acts across the plane is carried without a deflection, and nothing of it is judged.
-    if (beam.is_planar) model_.blind_spots.push_back({"plane", name, "a run without planar = true tells"});
   }
+  if (is_beam && !fidelity.of_beam->has_elements && !d.bodies[static_cast<std::size_t>(b)].of_beam)
+    model_.blind_spots.push_back(
+        {"beam", name, fmt::format("a run with --set body.{}.fidelity=modal tells", name)});
+  // What acts across the plane is carried without a deflection, and nothing of it is judged.
+  if ((is_reduced_beam || (is_beam && fidelity.of_beam->has_elements)) && beam.is_planar)
+    model_.blind_spots.push_back({"plane", name, "a run without planar = true tells"});
   if (se && fidelity.of_superelement->deforms()) model_.to_prepare.emplace(b, se);
   if (is_beam) {
     try {

@@ -64,6 +64,7 @@ class Reader {
   std::string prefix_;
   Base base_;
   int depth_;
+  int n_beams_ = 0;  ///< of this file
   input::Section root_;
   std::map<std::string, double> parameters_;
   Curves tables_;

@@ -250,7 +250,7 @@ Segments add_planar_pieces(MechanismDescription& d, int root, const BeamPart& pa
         for (const auto& [name, at] : stations) places.push_back({name, at.element, at.x});
         return std::make_shared<const PlanarBeam>(
             beam::exact::PlanarChain(field, piece.elements, l, part.section_inertia(), part.curvature.z()),
-            start, part.damping_time, places, SlenderBeam{part.length(), part.C(5, 5)});
+            start, part.damping_time, places);
       });
 }
 

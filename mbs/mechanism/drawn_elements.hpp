@@ -6,7 +6,8 @@
 
 #include "mbs/mechanism/mechanism.hpp"
 
-/// Planar beams are one body, whose pose tells nothing of how they bend: pictures have their elements as bodies.
+/// Planar beams and those in modal coordinates are one body, whose pose tells nothing of how they bend: pictures have their
+/// elements as bodies.
 namespace flexura::mbs {
 
 struct DrawnElement {

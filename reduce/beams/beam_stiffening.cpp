@@ -6,52 +6,21 @@
 #include <array>
 #include <stdexcept>
 
-#include "beam/element/quadrature.hpp"
+#include "beam/element/slopes.hpp"
 
 namespace flexura::reduce {
 namespace {
 
 using beam::Matrix12d;
-using beam::Matrix6x12d;
 using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
+using beam::InertiaLoads;
+
 constexpr int kInertiaLoads = UnitTensions::kInertiaLoads;
-using InertiaLoads = Eigen::Matrix<double, 6, kInertiaLoads>;
-
-// Minus the gradient of the acceleration of load k: f(x + r) = f(x) + B r.
-Matrix3d gradient(int k) {
-  constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
-  Matrix3d B = Matrix3d::Zero();
-  if (k < 3) return B;
-  if (k < 6) {  // -alpha x r
-    const Vector3d e = Vector3d::Unit(k - 3);
-    B << 0, e.z(), -e.y(), -e.z(), 0, e.x(), e.y(), -e.x(), 0;
-    return B;
-  }
-  // -omega x (omega x r) = omega^2 r - omega (omega . r), each product counted once
-  const auto [a, b] = kPairs[k - 6];
-  B(a, b) -= 1.0;
-  if (a == b) return B + Matrix3d::Identity();
-  B(b, a) -= 1.0;
-  return B;
-}
-
-// Force and moment at x, in the axes of B, of the inertia forces of a piece with mass m and first and second
-// moments s = int r dm, E = int r r^T dm about x.
-InertiaLoads inertia_loads(const Vector3d& x, double m, const Vector3d& s, const Matrix3d& E) {
-  InertiaLoads out;
-  for (int k = 0; k < kInertiaLoads; ++k) {
-    const Matrix3d B = gradient(k), BE = B * E;
-    const Vector3d f = k < 3 ? Vector3d(-Vector3d::Unit(k)) : Vector3d(B * x);
-    out.col(k) << m * f + B * s,
-        s.cross(f) + Vector3d(BE(2, 1) - BE(1, 2), BE(0, 2) - BE(2, 0), BE(1, 0) - BE(0, 1));
-  }
-  return out;
-}
 
 struct SectionHere {
   beam::SectionInertia inertia;
@@ -73,49 +42,7 @@ SectionHere section_at(const beam::Model& model, const beam::Member& member, dou
   return here(make_section(first.section.name, constants_of(shape, material.nu(), first.formula), material));
 }
 
-// The same per length of an element, in its axes.
-InertiaLoads line_loads(const beam::Placement& placement, double x, const beam::SectionInertia& i) {
-  const Matrix3d& R = placement.R_BE;
-  Matrix3d E = Matrix3d::Zero();
-  E.bottomRightCorner<2, 2>() << i.m_yy, i.m_yz, i.m_yz, i.m_zz;
-  InertiaLoads loads = inertia_loads(placement.p_Bo1_B + x * R.col(0), i.m, R * Vector3d(0.0, i.m_y, i.m_z),
-                                     R * E * R.transpose());
-  loads.topRows<3>() = (R.transpose() * loads.topRows<3>()).eval();
-  loads.bottomRows<3>() = (R.transpose() * loads.bottomRows<3>()).eval();
-  return loads;
-}
-
 }  // namespace
-
-// The slopes are those of the cubic through the exact displacements at four places, so that released ends and shear
-// deformation are in them.
-std::array<SlopeStation, 4> slope_stations(const beam::Element& element, double to) {
-  const double l = element.length();
-  std::array<double, 4> t;
-  std::array<Matrix6x12d, 4> d;
-  for (int j = 0; j < 4; ++j) {
-    t[j] = j / 3.0;
-    d[j] = element.shape(t[j] * l);
-  }
-  const auto rule = beam::gauss_points(4);
-  std::array<SlopeStation, 4> out;
-  for (int g = 0; g < 4; ++g) {
-    const double s = 0.5 * (1.0 + rule[g].first) * to / l;
-    out[g] = {s * l, 0.5 * to * rule[g].second, Eigen::Matrix<double, 3, 12>::Zero()};
-    for (int j = 0; j < 4; ++j) {  // derivative of Lagrange's polynomial j
-      double slope = 0.0;
-      for (int i = 0; i < 4; ++i) {
-        if (i == j) continue;
-        double term = 1.0 / (t[j] - t[i]);
-        for (int m = 0; m < 4; ++m)
-          if (m != i && m != j) term *= (s - t[m]) / (t[j] - t[m]);
-        slope += term;
-      }
-      out[g].slopes += slope / l * d[j].middleRows<3>(1);
-    }
-  }
-  return out;
-}
 
 UnitTensions::UnitTensions(const Structure& structure, const std::vector<BeamInterface>& interfaces,
                            const std::vector<LoadCase>& cases)
@@ -142,8 +69,8 @@ UnitTensions::UnitTensions(const Structure& structure, const std::vector<BeamInt
     const beam::Member& member = model.members[record.member];
     const beam::Element element = mesh_.element(record);
     const std::array<InertiaLoads, 2> ends = {
-        line_loads(record.placement, 0.0, section_at(model, member, record.t_1).inertia),
-        line_loads(record.placement, element.length(), section_at(model, member, record.t_2).inertia)};
+        beam::line_loads(record.placement, 0.0, section_at(model, member, record.t_1).inertia),
+        beam::line_loads(record.placement, element.length(), section_at(model, member, record.t_2).inertia)};
     const Matrix12d to_nodes = record.placement.transform().transpose();
     for (int k = 0; k < kInertiaLoads; ++k) {
       lines_[e][k] = {ends[0].col(k), ends[1].col(k)};
@@ -155,7 +82,7 @@ UnitTensions::UnitTensions(const Structure& structure, const std::vector<BeamInt
   for (const beam::PointMass& mass : model.point_masses) {
     const Vector3d& c = mass.p_NC_B;
     const Matrix3d about_C = 0.5 * mass.I_C_B.trace() * Matrix3d::Identity() - mass.I_C_B;
-    P.block<6, kInertiaLoads>(6 * mass.node, 0) += inertia_loads(
+    P.block<6, kInertiaLoads>(6 * mass.node, 0) += beam::inertia_loads(
         mesh_.points()[mass.node], mass.mass, mass.mass * c, about_C + mass.mass * c * c.transpose());
   }
   for (std::size_t b = 0; b < dof_of_load_.size(); ++b)
@@ -215,7 +142,7 @@ StiffeningTerms beam_stiffening_terms(const Structure& structure,
     MatrixXd shapes(12, n);
     shapes << T.middleRows<6>(6 * record.node[0]), T.middleRows<6>(6 * record.node[1]);
     shapes = (record.placement.transform() * shapes).eval();
-    for (const SlopeStation& at : slope_stations(element, element.length())) {
+    for (const beam::SlopeStation& at : beam::slope_stations(element, element.length())) {
       MatrixXd slopes = at.slopes * shapes;  // 3 x n
       slopes.row(2) *= std::sqrt(tensions.radius2(static_cast<int>(e), at.x));
       const MatrixXd unit = at.weight * (slopes.transpose() * slopes);

@@ -46,14 +46,6 @@ class UnitTensions {
   Eigen::MatrixXd U_;  // n_dofs x loads
 };
 
-/// (v', w', theta_x') at a place of an element from the displacements of its ends, in its axes.
-struct SlopeStation {
-  double x, weight;
-  Eigen::Matrix<double, 3, 12> slopes;
-};
-/// Four Gauss points from end 1 up to `to`: exact for slopes of degree two and N of degree three.
-std::array<SlopeStation, 4> slope_stations(const beam::Element& element, double to);
-
 /// `T` (n_dofs x n) the shapes on all dofs of the structure.  Throws as UnitTensions.
 StiffeningTerms beam_stiffening_terms(const Structure& structure,
                                       const std::vector<BeamInterface>& interfaces, const Eigen::MatrixXd& T,

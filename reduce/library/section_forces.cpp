@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 
+#include "beam/element/slopes.hpp"
+
 namespace flexura::reduce {
 namespace {
 
@@ -130,7 +132,7 @@ void put_deformation(const Structure& structure, const beam::InertiaSums& sums, 
 // The load on the ends of each element, in its axes, of the shapes' slopes under tension of each unit load.
 std::vector<Matrix12d> slope_stiffness(const UnitTensions& tensions, int e, const beam::Element& element) {
   std::vector<Matrix12d> out(static_cast<std::size_t>(tensions.loads()), Matrix12d::Zero());
-  for (const SlopeStation& at : slope_stations(element, element.length())) {
+  for (const beam::SlopeStation& at : beam::slope_stations(element, element.length())) {
     auto slopes = at.slopes;
     slopes.row(2) *= std::sqrt(tensions.radius2(e, at.x));
     const Matrix12d unit = at.weight * (slopes.transpose() * slopes);
@@ -158,7 +160,7 @@ void put_stiffening(const Structure& structure, const UnitTensions& tensions, co
       own[p].middleCols<12>(12 * k) = from_end_1(
           stiffness[static_cast<std::size_t>(places[p].element)][static_cast<std::size_t>(k)].topRows<6>(),
           x);
-    for (const SlopeStation& station : slope_stations(cut.element, x)) {
+    for (const beam::SlopeStation& station : beam::slope_stations(cut.element, x)) {
       const Eigen::VectorXd N = tensions.at(places[p].element, cut.element, station.x);
       for (Index k = 0; k < n_loads; ++k) {
         own[p].row(beam::M_y).segment<12>(12 * k) -= station.weight * N(k) * station.slopes.row(1);

@@ -85,7 +85,9 @@ void add_bodies(const mbs::PreparedMechanism& prepared, std::vector<ErrorSource>
     if (!study::can_deform(body)) continue;
     if (body.flexible) {
       const superelement::Superelement se =
-          superelement::read(body.superelement, {.matrices = false, .inertia = false, .mesh_error = true});
+          body.of_beam ? *body.of_beam
+                       : superelement::read(body.superelement,
+                                            {.matrices = false, .inertia = false, .mesh_error = true});
       sources.push_back(mesh_of(body.name, se));
       if (!superelement::has_inertia_integrals(se))
         sources.push_back({"inertia", body.name, {}, 0.0, "its FlexData file has no inertia integrals"});

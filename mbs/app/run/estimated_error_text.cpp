@@ -29,6 +29,7 @@ std::string words_of(const std::string& kind, const std::string& names) {
   if (kind == "elements") return "elements of " + names;
   if (kind == "plane") return "bending across the plane of " + names;
   if (kind == "surface_contact") return "surface in contact of " + names;
+  if (kind == "beam") return "bending of the rigid " + names;
   if (kind == "link") return "rigid link of " + names;
   if (kind == "inertia") return "deformation by centrifugal and Coriolis forces of " + names;
   if (kind == "stiffening") return "geometric stiffening of " + names;

@@ -9,6 +9,7 @@
 
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/mechanism/describe.hpp"
+#include "mbs/study/estimate/full_model.hpp"
 #include "mbs/superelement/contents.hpp"
 
 namespace flexura::app {
@@ -21,13 +22,14 @@ LeftOut left_out(const mbs::PreparedMechanism& prepared) {
   out.states = out.states_of_all = n.n_p + n.n_v + n.n_dyn + n.n_lambda;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const mbs::BodyDescription& description = bodies[b];
-    if (description.superelement.empty()) continue;
-    const superelement::Contents file = superelement::contents(description.superelement);
-    const superelement::PartSizes& bytes = file.bytes;
+    if (!description.is_reduced()) continue;
+    const superelement::PartSizes bytes = description.of_beam
+                                              ? superelement::PartSizes{}
+                                              : superelement::contents(description.superelement).bytes;
     const mbs::FlexibleBody* const deforms = mechanism.deforming(static_cast<int>(b));
     LeftOut::Body body;
     body.name = description.name;
-    body.available = file.header.n() - 6;
+    body.available = study::deformations_of(description);
     body.kept = deforms ? deforms->m() : 0;
     out.states_of_all += 2 * std::max(0, body.available - body.kept);
     body.whole_bytes =

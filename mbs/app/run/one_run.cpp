@@ -80,7 +80,8 @@ void add_estimate(const PreparedMechanism& prepared, const study::TruncationEsti
   if (std::string line = left_out_line(unneeded); !line.empty()) outcome.lines.push_back(std::move(line));
   if (checks.integrator && outcome.result.complete) integrator = checks.integrator->estimate(callbacks);
   if (!elements && checks.elements && outcome.result.complete)
-    elements = checks.elements->estimate(callbacks, outcome.result.wall_time);
+    elements = checks.elements->estimate(callbacks, outcome.result.wall_time,
+                                         integrator && integrator->is_whole ? integrator->error : 0.0);
   const Judges judges{truncation, integrator ? &*integrator : nullptr, elements ? &*elements : nullptr};
   const ErrorEstimate estimate = estimate_error(prepared, judges, outcome.result);
   outcome.summary["estimate"] = estimated_error_json(estimate, judges, outcome.result);

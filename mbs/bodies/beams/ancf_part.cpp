@@ -333,37 +333,6 @@ void AncfPart::add_tangents(const double* s, const double* s_dot, MatrixRef K, M
   add_free(dD, D);
 }
 
-std::optional<SlenderBeam> AncfPart::slender() const {
-  const double L = body_.length(), kappa = kArc / L;
-  if (body_.dim() == 2) {
-    VectorXd q = body_.rest();
-    for (int node = 0; node < body_.n_nodes(); ++node) {
-      const double s = body_.rest()(body_.index(node, 0));
-      q.segment<2>(body_.index(node, 0)) << std::sin(kappa * s) / kappa, (1.0 - std::cos(kappa * s)) / kappa;
-      q.segment<2>(body_.index(node, 1)) << std::cos(kappa * s), std::sin(kappa * s);
-    }
-    return SlenderBeam{L, 2.0 * body_.strain_energy(q) / (kappa * kappa * L)};
-  }
-  const VectorXd& rest = body_.rest();
-  const Vector3d root = rest.segment<3>(body_.index(0, 0)),
-                 x = rest.segment<3>(body_.index(0, 1)).normalized();
-  double least = std::numeric_limits<double>::infinity();
-  for (const int across : {2, 3}) {
-    const Vector3d y = rest.segment<3>(body_.index(0, across)).normalized(), z = x.cross(y);
-    VectorXd q = rest;
-    for (int node = 0; node < body_.n_nodes(); ++node) {
-      const double s = x.dot(rest.segment<3>(body_.index(node, 0)) - root);
-      q.segment<3>(body_.index(node, 0)) =
-          root + x * (std::sin(kappa * s) / kappa) + y * ((1.0 - std::cos(kappa * s)) / kappa);
-      const Eigen::AngleAxisd turn(kappa * s, z);
-      for (int k = 1; k < body_.vectors(); ++k)
-        q.segment<3>(body_.index(node, k)) = turn * Vector3d(rest.segment<3>(body_.index(node, k)));
-    }
-    least = std::min(least, 2.0 * body_.strain_energy(q) / (kappa * kappa * L));
-  }
-  return SlenderBeam{L, least};
-}
-
 std::shared_ptr<const AncfPart> straight_ancf_part(
     const beam::ancf::BeamSection& section, const Vector3d& from_B, const Vector3d& to_B,
     const Vector3d& y_axis_B, int elements, const std::vector<std::pair<std::string, double>>& stations) {

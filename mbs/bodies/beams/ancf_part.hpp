@@ -65,7 +65,6 @@ class AncfPart final : public FlexibleBody {
                             const Spatial& A, Scratch& scratch, DeformationTangents& out) const override;
   void add_tangents(const double* s, const double* s_dot, MatrixRef K, MatrixRef D) const override;
   /// From the energy of the beam bent to an arc.
-  std::optional<SlenderBeam> slender() const override;
   double amplitude(int) const override { return 1.0; }  // lengths and slopes as they are
   std::optional<Vector3d> stiff_direction() const override;
 

@@ -74,12 +74,11 @@ struct PlanarBeam::Work final : Scratch {
 };
 
 PlanarBeam::PlanarBeam(PlanarChain chain, const Pose& start, double damping_time,
-                       const std::vector<Station>& stations, const SlenderBeam& whole)
+                       const std::vector<Station>& stations)
     : FlexibleBody(chain.mass(), places_of(chain, start, stations), mass_at_rest(chain)),
       chain_(std::move(chain)),
       start_(start),
       damping_time_(damping_time),
-      whole_(whole),
       alone_(alone_in(chain_.one_element())) {
   for (const Station& station : stations) {
     places_.push_back(chain_.place(station.element, station.x));

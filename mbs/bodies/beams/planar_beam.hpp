@@ -17,17 +17,15 @@ class PlanarBeam final : public FlexibleBody {
     double x = 0.0;  ///< from the element's start, along the unstrained axis [m]
   };
 
-  /// `start` is the section's place and axes (x along the beam, y in the plane) in B; `damping_time` as in D = damping_time K;
-  /// `whole` tells of the beam of which this is a piece, or all.
+  /// `start` is the section's place and axes (x along the beam, y in the plane) in B; `damping_time` as in D = damping_time K.
   PlanarBeam(beam::exact::PlanarChain chain, const Pose& start, double damping_time,
-             const std::vector<Station>& stations, const SlenderBeam& whole);
+             const std::vector<Station>& stations);
 
   int elements() const { return chain_.elements(); }
   double element_length() const { return chain_.length() / chain_.elements(); }
   /// In B: where each element starts, x along the line to its end.
   std::vector<Pose> chords(const double* s) const;
 
-  std::optional<SlenderBeam> slender() const override { return whole_; }
   /// Normal to the plane, in B.
   std::optional<Vector3d> stiff_direction() const override { return start_.R.col(2); }
 
@@ -65,7 +63,6 @@ class PlanarBeam final : public FlexibleBody {
   beam::exact::PlanarChain chain_;
   Pose start_;
   double damping_time_;
-  SlenderBeam whole_;
   std::vector<beam::exact::PlanarChain::Place> places_;
   std::vector<Alone> alone_;      ///< of the coordinates of one element
   std::vector<Matrix3d> R_rest_;  ///< of the nodes' sections, from their axes to B

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "mbs/file/bodies/read_flexible_body.hpp"
 #include "mbs/file/fidelities.hpp"
@@ -49,15 +50,18 @@ void refuse_keys_of_others(const Section& s) {
   if (has_superelement || has_beam)
     for (const char* key : {"mass", "center", "inertia"})
       if (s.has(key)) given.emplace_back(key);
-  // A superelement may be rigid in one run and deform in another.
+  // A superelement or a beam may be rigid in one run and deform in another.
+  const std::set<std::string> of_surfaces = {"superelement", "stress", "stress_point", "section_point"};
   if (!has_superelement)
     for (const input::Key& key : flexible_body_keys())
-      if (key.name != "fidelity" && key.name != "surface_point" && s.has(key.name)) given.push_back(key.name);
+      if (key.name != "fidelity" && key.name != "surface_point" && s.has(key.name) &&
+          (!has_beam || of_surfaces.contains(key.name)))
+        given.push_back(key.name);
   if (!given.empty()) {
-    std::string rule =
-        has_superelement ? "a superelement brings its own mass, centre and inertia"
-        : has_beam ? "a beam brings its own mass, centre and inertia, and has no modes of a superelement"
-                   : "a rigid body has no modes and does not deform";
+    std::string rule = has_superelement ? "a superelement brings its own mass, centre and inertia"
+                       : has_beam ? "a beam brings its own mass, centre and inertia, and has no stresses or "
+                                    "section forces of a superelement"
+                                  : "a rigid body has no modes and does not deform";
     if (given.size() > 1) rule += fmt::format(" ({} are given)", fmt::join(given, ", "));
     s.refuse(given.front(), rule,
              fmt::format("{} or take {} away",

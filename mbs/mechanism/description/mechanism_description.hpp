@@ -18,6 +18,7 @@
 #include "mbs/forces/force.hpp"
 #include "mbs/joints/joint.hpp"
 #include "mbs/measures/measure.hpp"
+#include "mbs/superelement/superelement.hpp"
 
 /// What a mechanism is made of, before it is one: bodies, markers, joints and elements by their indices.
 namespace flexura::mbs {
@@ -37,8 +38,12 @@ struct BodyDescription {
   std::shared_ptr<const StressField> stress = {};      ///< of a deforming body
   std::shared_ptr<const SectionPoints> sections = {};  ///< of a deforming beam part
   std::shared_ptr<const SurfacePoints> surface_points = {};
-  std::optional<Pose> X_WB = {};     ///< guess for the assembly, in [m]
-  std::string superelement = {};     ///< file, for pictures
+  std::optional<Pose> X_WB = {};  ///< guess for the assembly, in [m]
+  std::string superelement = {};  ///< file, for pictures
+  /// Of a beam that is rigid or deforms in modal coordinates: its small deformations (beam_superelement.hpp).
+  std::shared_ptr<const superelement::Superelement> of_beam = {};
+  /// What deforms is described by a superelement, whatever its fidelity.
+  bool is_reduced() const { return of_beam || !superelement.empty(); }
   bool follows_surface = false;      ///< markers follow nodes of the superelement's surface
   std::vector<BodyLoad> loads = {};  ///< load cases of its superelement
   bool is_loaded_by_case = false;    ///< a force puts one of them on it

@@ -118,14 +118,17 @@ void LinearRange::ask_surface(int b, const double* modal) {
   // Second-order displacements know of the shortening, and a deformation that does not act back holds nothing.
   const bool has_lines = data->nodes.size() > 1 && !data->second && body.acts_back();
   const double moved = Eigen::Map<const Eigen::VectorXd>(modal, body.m()).norm() / std::sqrt(body.mass());
-  if (watched.asked || file.empty() || !(moved > (has_lines ? kAskLines : kAskProbes) * watched.size)) return;
+  const auto& of_beam = mechanism_.description().bodies[b].of_beam;
+  if (watched.asked || (file.empty() && !of_beam) ||
+      !(moved > (has_lines ? kAskLines : kAskProbes) * watched.size))
+    return;
   watched.asked = true;
   superelement::Parts parts;
   parts.matrices = has_lines;
   parts.inertia = false;
   parts.surface = parts.shapes = true;
   try {
-    const superelement::Superelement se = superelement::read(file, parts);
+    const superelement::Superelement se = of_beam ? *of_beam : superelement::read(file, parts);
     auto probes = std::make_shared<DeformationProbes>(probes_of(se, data->Y));
     if (has_lines) watched.lines = bending_lines(se, *data);
     watched.size = std::max(watched.size, probes->size);
@@ -259,6 +262,12 @@ std::vector<std::string> LinearRange::sentences() const {
                       name, 100.0 * w.strain.value, w.strain.t, w.strain.what));
   }
   return out;
+}
+
+bool LinearRange::is_left(int body) const {
+  const Watched& w = watched_[static_cast<std::size_t>(body)];
+  return w.rotation.value > limits_.rotation || w.displacement.value > limits_.displacement ||
+         w.of_size.value > limits_.of_size || w.held.value > limits_.stiffness;
 }
 
 std::string LinearRange::runaway() const {

@@ -50,6 +50,9 @@ class LinearRange {
   /// Why the last state observed is no result any more; empty where no body is deformed beyond
   /// RangeLimits::runaway.
   std::string runaway() const;
+  /// True where the body's displacements have left the range in which they are linear, or its stiffness misses what its ends,
+  /// held apart, add to it.
+  bool is_left(int body) const;
   /// Largest rotation of one interface against another so far [rad]; 0 for a rigid body.
   double largest(int body) const { return watched_[body].rotation.value; }
 

@@ -14,6 +14,11 @@ namespace flexura::study {
 using terminal::number;
 
 std::vector<std::string> BodyChoice::overrides(const std::string& body) const {
+  if (exact) {
+    std::vector<std::string> words = {fmt::format("body.{}.fidelity=beam", body)};
+    if (elements > 0) words.push_back(fmt::format("body.{}.beam.elements={}", body, elements));
+    return words;
+  }
   std::vector<std::string> words = {
       "modes=", "max_frequency=", candidate.plain ? "attachments=none" : "attachments=used"};
   if (rigid) {
@@ -31,6 +36,8 @@ std::vector<std::string> BodyChoice::overrides(const std::string& body) const {
 }
 
 std::string BodyChoice::what(const std::string& body) const {
+  if (exact)
+    return fmt::format("{}: beam{}", body, elements > 0 ? fmt::format(", {} elements", elements) : "");
   if (rigid) return body + ": rigid";
   if (candidate.modes == 0 && !stiffened)
     return fmt::format("{}: static, {} response modes", body, candidate.responses);
@@ -66,6 +73,13 @@ void BodyChoice::refine() {
   }
 }
 
+void BodyChoice::make_exact(const std::string& why) {
+  rigid = stiffened = stiffening_counts = false;
+  exact = true;
+  candidate = {};
+  reason = why;
+}
+
 void BodyChoice::explain(const Screened& s, double share) {
   const double first = 2.0 * std::numbers::pi * s.first_hz;
   const Candidate& c = candidate;
@@ -95,17 +109,6 @@ void BodyChoice::explain(const Screened& s, double share) {
   else if (!s.has_stiffening_terms && s.spin * s.spin > share * first * first)
     reason +=
         "; its superelement has no stiffening terms (reduce it with stiffening = true to have that judged)";
-}
-
-std::vector<std::string> BeamChoice::overrides() const {
-  std::vector<std::string> words = {fmt::format("body.{}.fidelity={}", body, rigid ? "rigid" : "beam")};
-  if (!rigid && elements > 0) words.push_back(fmt::format("body.{}.beam.elements={}", body, elements));
-  return words;
-}
-
-std::string BeamChoice::text() const {
-  return fmt::format("{}: {}{}: {}", body, rigid ? "rigid" : "beam",
-                     !rigid && elements > 0 ? fmt::format(", {} elements", elements) : "", reason);
 }
 
 }  // namespace flexura::study

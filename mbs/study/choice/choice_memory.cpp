@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 
 std::string Chooser::key_of_choice() const {
   input::ContentHash hash;
-  hash.add_input_file(file_).add(fmt::format("choice 5 {:.17g}", accuracy_));
+  hash.add_input_file(file_).add(fmt::format("choice 6 {:.17g}", accuracy_));
   for (const std::string& word : given())
     hash.add(word.starts_with("parameters.") ? word.substr(0, word.find('=')) : word);
   std::set<std::string> files;
@@ -26,27 +26,26 @@ std::string Chooser::key_of_choice() const {
   return hash.hex();
 }
 
-// Bodies, beams, outputs and the time of the run, in the order of their names or as they are judged.
+// Bodies, outputs and the time of the run, in the order of their names or as they are judged.
 mbs::PreparationCache::Matrices Chooser::packed() const {
-  MatrixXd bodies(static_cast<Index>(choices_.size()), 12), beams(static_cast<Index>(beams_.size()), 1),
+  MatrixXd bodies(static_cast<Index>(choices_.size()), 14),
       outputs(static_cast<Index>(sizes_.outputs.size()), 3);
   Index i = 0;
   for (const auto& [name, c] : choices_)
     bodies.row(i++) << c.rigid, c.stiffened, c.candidate.modes, c.candidate.responses, c.candidate.all,
         c.candidate.plain, c.candidate.loss, c.candidate.highest_hz, c.available,
-        without_influence_.contains(name), c.candidate.held, c.stiffening_counts;
-  for (i = 0; i < beams.rows(); ++i) beams(i, 0) = beams_[static_cast<std::size_t>(i)].rigid;
+        without_influence_.contains(name), c.candidate.held, c.stiffening_counts, c.exact, c.elements;
   for (i = 0; i < outputs.rows(); ++i) {
     const OutputEstimate& o = sizes_.outputs[static_cast<std::size_t>(i)];
     outputs.row(i) << o.scale, o.counts, o.size_rms;
   }
-  return {bodies, beams, outputs, MatrixXd{{span_, lost_at_}}};
+  return {bodies, outputs, MatrixXd{{span_, lost_at_}}};
 }
 
 bool Chooser::recall(const mbs::PreparationCache::Matrices& kept, const mbs::PreparedMechanism& rigid,
                      const std::vector<std::string>& overrides) {
-  if (kept.size() != 4 || kept[0].rows() != static_cast<Index>(choices_.size()) || kept[0].cols() != 12 ||
-      kept[1].rows() != static_cast<Index>(beams_.size()) || kept[2].cols() != 3 || kept[3].size() != 2)
+  if (kept.size() != 3 || kept[0].rows() != static_cast<Index>(choices_.size()) || kept[0].cols() != 14 ||
+      kept[1].cols() != 3 || kept[2].size() != 2)
     return false;
   Index i = 0;
   const auto is = [](double x) { return x != 0.0; };
@@ -63,27 +62,25 @@ bool Chooser::recall(const mbs::PreparationCache::Matrices& kept, const mbs::Pre
                    .highest_hz = row(7)};
     c.available = static_cast<int>(row(8));
     c.stiffening_counts = is(row(11));
+    c.exact = is(row(12));
+    c.elements = static_cast<int>(row(13));
     c.reason = "as an earlier run with other parameters has chosen (kept in the cache)";
     if (is(row(9))) without_influence_.insert(name);
   }
-  for (std::size_t k = 0; k < beams_.size(); ++k) {
-    beams_[k].rigid = is(kept[1](static_cast<Index>(k), 0));
-    beams_[k].reason = "as an earlier run with other parameters has chosen (kept in the cache)";
-  }
   full_ = FullModel::make(rigid, file_, overrides,
                           {.stiffened = {}, .rigid = without_influence_, .own_frames = true});
-  if (!full_) return kept[2].rows() == 0;
+  if (!full_) return kept[1].rows() == 0;
   sizes_.outputs.clear();
   judged_outputs(rigid, full_->mechanism(), sizes_.outputs);
-  if (kept[2].rows() != static_cast<Index>(sizes_.outputs.size())) return false;
-  for (i = 0; i < kept[2].rows(); ++i) {
+  if (kept[1].rows() != static_cast<Index>(sizes_.outputs.size())) return false;
+  for (i = 0; i < kept[1].rows(); ++i) {
     OutputEstimate& o = sizes_.outputs[static_cast<std::size_t>(i)];
-    o.scale = kept[2](i, 0);
-    o.counts = is(kept[2](i, 1));
-    o.size_rms = kept[2](i, 2);
+    o.scale = kept[1](i, 0);
+    o.counts = is(kept[1](i, 1));
+    o.size_rms = kept[1](i, 2);
   }
-  span_ = kept[3](0, 0);
-  lost_at_ = kept[3](0, 1);
+  span_ = kept[2](0, 0);
+  lost_at_ = kept[2](0, 1);
   return true;
 }
 

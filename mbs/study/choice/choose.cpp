@@ -12,22 +12,15 @@ double accuracy_of(const mbs::PreparedMechanism& run) {
 }
 
 bool is_open(const mbs::PreparedMechanism& run, const mbs::BodyDescription& body) {
-  if (body.superelement.empty() || body.name.find('.') != std::string::npos)
+  if (!body.is_reduced() || body.name.find('.') != std::string::npos)
     return false;  // a subsystem's own file says
   const auto given = run.file.leaves_fidelity_open.find(body.name);
   return given == run.file.leaves_fidelity_open.end() ? accuracy_of(run) > 0.0 : given->second;
 }
 
-bool is_open_beam(const mbs::PreparedMechanism& run, const mbs::BodyDescription& body) {
-  const auto given = run.file.leaves_fidelity_open.find(body.name);
-  return body.superelement.empty() && body.flexible && given != run.file.leaves_fidelity_open.end() &&
-         given->second;
-}
-
 bool is_to_be_chosen(const mbs::PreparedMechanism& run) {
-  return accuracy_of(run) > 0.0 ||
-         std::ranges::any_of(run.mechanism->description().bodies,
-                             [&](const auto& body) { return is_open(run, body) || is_open_beam(run, body); });
+  return accuracy_of(run) > 0.0 || std::ranges::any_of(run.mechanism->description().bodies,
+                                                       [&](const auto& body) { return is_open(run, body); });
 }
 
 ChosenRun run_within(const mbs::PreparedMechanism& given, const std::filesystem::path& file,

@@ -22,9 +22,9 @@
 /// for the integrator.  Of that half each body has an equal share, those of least influence first; what one does not use the
 /// others have.
 ///
-/// A beam with fidelity = "auto" and no superelement stays rigid where it would bend by less than its share
-/// of its length, and becomes a geometrically exact one otherwise (beam_screening.hpp).  Two runs with fewer elements
-/// tell what these cost (elements_check.hpp); beams run again with twice as many until that is within their share.
+/// A beam of the mechanism file is chosen like a superelement, which it has in memory (beam_superelement.hpp), where its
+/// deformation stays in the linear range; where it does not it becomes geometrically exact.  Two runs with fewer elements
+/// then tell what these cost (elements_check.hpp), and it runs again with twice as many until that is within its share.
 ///
 /// The chosen mechanism runs with its own shadows.  Where their error has used up 0.7 of the accuracy, by
 /// the whole run's measure, the run stops and the body that contributes most gets more.  In its first half the run then begins
@@ -58,7 +58,7 @@ struct ChosenRun {
   double screening_cpu = 0.0;   ///< [s], of the same, of all threads
 };
 
-/// True where a superelement or a beam has fidelity = "auto", or where the run has a wanted accuracy
+/// True where a body has fidelity = "auto", or where the run has a wanted accuracy
 /// (solver.accuracy) and a superelement has no fidelity of its own.
 bool is_to_be_chosen(const mbs::PreparedMechanism& run);
 

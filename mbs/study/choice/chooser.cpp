@@ -27,8 +27,8 @@ using terminal::number;
 
 // At 1 % deflections of 10 um are still above the absolute part of the error allowed, 0.1 um.
 constexpr double kAbsoluteFactor = 0.01;
-// A slope of a tenth turns an axis by 0.1^2 / 2: half a per cent of the length, which no mode knows.
-constexpr double kLargestOfLinear = 0.1;
+// A beam that loses so much of its stiffness is half way to where it buckles, which no mode knows.
+constexpr double kNearBuckling = 0.5;
 // Stiffening that costs less than this part of a body's share is left out unseen.
 constexpr double kOfShare = 0.1;
 // Parts of the run after which the screening looks whether anything but all deformations would do.
@@ -51,10 +51,7 @@ Chooser::Chooser(const mbs::PreparedMechanism& given, const std::filesystem::pat
       callbacks_(callbacks),
       tells_integrator_(integrator) {
   for (const mbs::BodyDescription& body : given.mechanism->description().bodies)
-    if (is_open(given, body))
-      choices_[body.name] = {};
-    else if (is_open_beam(given, body))
-      beams_.push_back({.body = body.name, .rigid = true, .reason = "", .elements = 0});
+    if (is_open(given, body)) choices_[body.name].is_beam = body.of_beam != nullptr;
   if (accuracy_of(given) > 0.0) {
     tolerance_.emplace(accuracy_, given);
     given_.push_back(fmt::format("solver.absolute_factor={}", kAbsoluteFactor));
@@ -70,7 +67,7 @@ ChosenRun Chooser::run() {
   try {
     rigid.emplace(prepared(overrides()));
   } catch (const input::InputError& error) {
-    if (choices_.empty() && beams_.empty()) throw;
+    if (choices_.empty()) throw;
     keep_all_because(error.what());
     rigid.emplace(prepared(overrides()));
   }
@@ -92,17 +89,16 @@ ChosenRun Chooser::run() {
     return ended ? packed() : mbs::PreparationCache::Matrices();
   };
   if (can_be_rigid) {
-    const auto kept = as_given_.cache && !(choices_.empty() && beams_.empty())
+    const auto kept = as_given_.cache && !choices_.empty()
                           ? as_given_.cache->get("choice", key_of_choice(), look)
                           : std::make_shared<const mbs::PreparationCache::Matrices>(look());
     if (!is_screened && !recall(*kept, out.prepared, out.overrides)) {
-      for (auto& [body, choice] : choices_) choice = {};
+      for (auto& [body, choice] : choices_) choice = {.is_beam = choice.is_beam};
       without_influence_.clear();
       look();
     }
   }
-  if (!is_screened || std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; }) ||
-      std::ranges::any_of(beams_, [](const BeamChoice& beam) { return !beam.rigid; })) {
+  if (!is_screened || std::ranges::any_of(choices_, [](const auto& entry) { return !entry.second.rigid; })) {
     const double screening = seconds_since(start), screening_cpu = cpu_since();
     steps_.reset();
     out = simulate(out.prepared);
@@ -127,7 +123,6 @@ ChosenRun Chooser::run() {
     out.reasons.push_back(fmt::format("{}: rigid: no output that is asked for depends on {} deformation",
                                       fmt::join(without_influence_, ", "),
                                       without_influence_.size() == 1 ? "its" : "their"));
-  for (const BeamChoice& beam : beams_) out.reasons.push_back(beam.text());
   out.reasons.insert(out.reasons.end(), restarts_.begin(), restarts_.end());
   out.restarts = static_cast<int>(restarts_.size());
   out.set = keys_of(out.overrides);
@@ -152,17 +147,23 @@ std::vector<std::string> Chooser::overrides() const {
     const auto words = choice.overrides(body);
     out.insert(out.end(), words.begin(), words.end());
   }
-  const auto beams = overrides_of_beams();
-  out.insert(out.end(), beams.begin(), beams.end());
   return out;
 }
 
-std::vector<std::string> Chooser::overrides_of_beams() const {
+std::vector<std::string> Chooser::overrides_of_exact() const {
   std::vector<std::string> out;
-  for (const BeamChoice& beam : beams_) {
-    const auto words = beam.overrides();
+  for (const std::string& body : exact()) {
+    const auto words = choices_.at(body).overrides(body);
     out.insert(out.end(), words.begin(), words.end());
   }
+  return out;
+}
+
+// Beams that no shadow describes.
+std::set<std::string> Chooser::exact() const {
+  std::set<std::string> out;
+  for (const auto& [body, choice] : choices_)
+    if (choice.exact) out.insert(body);
   return out;
 }
 
@@ -184,15 +185,11 @@ void Chooser::screen(ChosenRun& out) {
                             {.stiffened = {}, .rigid = without_influence_, .own_frames = true});
     if (full_) screening_.emplace(out.prepared, *full_, file_, out.overrides);
   }
-  std::vector<std::string> names;
-  for (const BeamChoice& beam : beams_) names.push_back(beam.body);
-  BeamScreening beams(*as_given_.mechanism, *out.prepared.mechanism, names);
   mbs::RunCallbacks mine = callbacks_;
   const mbs::SolverOptions& o = out.prepared.options;
   std::size_t next = 0;  // of kLooksWhetherLost
   mine.row = [&](const mbs::State& s, const VectorXd& v_dot, const mbs::EnergyAccount& energy) {
     out.rows.push_back({s, v_dot, energy});
-    beams.take(s, v_dot);
     if (screening_) screening_->take(s, v_dot);
     if (shadows) shadows->take(s, v_dot);
     if (next < kLooksWhetherLost.size() &&
@@ -229,20 +226,6 @@ void Chooser::screen(ChosenRun& out) {
     out.estimate = sizes_ = screening_->estimate();
     span_ = lost_at_ < 0.0 ? screening_->span() : o.end_time - o.start_time;
   }
-  choose_beams(beams.beams());
-}
-
-void Chooser::choose_beams(const std::vector<ScreenedBeam>& screened) {
-  const double share = kShareOfModes * accuracy_;
-  for (std::size_t i = 0; i < beams_.size(); ++i) {
-    const ScreenedBeam& s = screened[i];
-    beams_[i].rigid = s.deflection <= share;
-    beams_[i].reason = fmt::format(
-        "rigid, its joints would load it with up to {} N, enough to bend it (EI {} N m^2, {} m long) by {} "
-        "of its length{}",
-        number(s.force, 2), number(s.bending_stiffness, 2), number(s.length, 2), percent(s.deflection),
-        s.deflection > kLargestOfLinear ? ": far beyond what modes describe" : "");
-  }
 }
 
 // Of the accuracy, for the deformations that each open body leaves out.
@@ -256,7 +239,7 @@ double Chooser::share_of_each() const {
 // so that the loss has to be several times too much; nor are spin and loads, which stiffen.
 bool Chooser::all_are_lost() {
   constexpr double kSure = 2.0, kNearlyLost = 0.3;
-  if (!screening_->has_shadows() || !beams_.empty()) return false;
+  if (!screening_->has_shadows()) return false;
   sizes_ = screening_->estimate();
   const mbs::SolverOptions& o = as_given_.options;
   const double whole = o.end_time - o.start_time, limit = kSure * share_of_each();
@@ -292,6 +275,10 @@ void Chooser::choose() {
     const auto found = choices_.find(source.body);
     if (found == choices_.end()) continue;
     found->second.available = source.available;
+    if (make_exact_beyond_range(source.body)) {
+      bodies -= 1.0;
+      continue;
+    }
     // Of that no candidate is judged.
     if (!source.beyond.empty() && source.error <= left / bodies) {
       keep_all_of(source.body, source.available, source.beyond);
@@ -315,14 +302,21 @@ void Chooser::choose() {
 
 // Of what lies between two rows nothing is known, nor what it leaves behind where nothing moves.
 void Chooser::keep_all() {
+  const auto& bodies = as_given_.mechanism->description().bodies;
   for (const SourceEstimate& source : sizes_.by_body) {
     const auto found = choices_.find(source.body);
     if (found == choices_.end()) continue;
     BodyChoice& choice = found->second;
     choice.available = source.available;
+    if (make_exact_beyond_range(source.body)) continue;
     choice.rigid = false;
     choice.candidate.all = true;
     choice.candidate.modes = source.available;
+    // Nothing has told what its loads do to its stiffness.
+    choice.stiffened =
+        lost_at_ < 0.0 &&
+        has_stiffening_terms(bodies[static_cast<std::size_t>(
+            std::ranges::find(bodies, source.body, &mbs::BodyDescription::name) - bodies.begin())]);
     if (lost_at_ >= 0.0)
       choice.reason =
           fmt::format("rigid, {} is off by {} until t = {} s, and no smaller number keeps outputs within {}",
@@ -339,20 +333,25 @@ void Chooser::keep_all() {
 
 // The run with the open bodies rigid cannot begin or go on.
 void Chooser::keep_all_because(const std::string& why) {
+  // Nor does it tell which of them have an influence.
+  without_influence_.clear();
+  full_.reset();
   const auto& bodies = as_given_.mechanism->description().bodies;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const auto found = choices_.find(bodies[b].name);
-    if (found == choices_.end() || without_influence_.contains(bodies[b].name)) continue;
-    const mbs::FlexibleBody* const deforms = as_given_.mechanism->deforming(static_cast<int>(b));
-    keep_all_of(bodies[b].name,
-                deforms && deforms->modal() ? static_cast<int>(deforms->modal()->stiffness.size()) : 0,
-                "the run with it rigid cannot be: " + why.substr(0, why.find(';')));
+    if (found == choices_.end()) continue;
+    const std::string reason = "the run with it rigid cannot be: " + why.substr(0, why.find(';'));
+    // How far it bends nothing has told.
+    if (found->second.is_beam)
+      found->second.make_exact(reason);
+    else
+      keep_all_of(bodies[b].name, deformations_of(bodies[b]), reason);
   }
 }
 
 void Chooser::keep_all_of(const std::string& body, int available, const std::string& why) {
   BodyChoice& choice = choices_.at(body);
-  choice = {};
+  choice = {.is_beam = choice.is_beam};
   choice.rigid = false;
   choice.available = available;
   choice.candidate.all = true;
@@ -391,7 +390,18 @@ void Chooser::choose_body(const Screened& s, double share) {
   const double angle = 2.0 * std::numbers::pi * s.first_hz * std::min(span_, s.ringing_time);
   choice.stiffened = change * (choice.candidate.modes > 0 ? std::max(1.0, 0.5 * angle) : 1.0) > share;
   choice.stiffening_counts = change > kOfShare * share;
-  choice.explain(s, share);
+  if (choice.is_beam && s.most_negative_change < -kNearBuckling)
+    choice.make_exact(
+        fmt::format("its loads take {} of its stiffness away", percent(-s.most_negative_change)));
+  else
+    choice.explain(s, share);
+}
+
+bool Chooser::make_exact_beyond_range(const std::string& body) {
+  BodyChoice& choice = choices_.at(body);
+  if (!choice.is_beam || !screening_->leaves_linear_range(body)) return false;
+  choice.make_exact("its loads would bend it beyond what is linear in modes");
+  return true;
 }
 
 std::vector<std::string> Chooser::judged_with_stiffening() const {

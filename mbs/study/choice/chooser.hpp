@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "mbs/bodies/preparation_cache.hpp"
-#include "mbs/study/choice/beam_screening.hpp"
 #include "mbs/study/choice/body_choice.hpp"
 #include "mbs/study/choice/choose.hpp"
 #include "mbs/study/choice/screening.hpp"
@@ -21,10 +20,8 @@ namespace flexura::study {
 
 /// The accuracy that a run is asked for; 0: none.
 double accuracy_of(const mbs::PreparedMechanism& run);
-/// A superelement whose fidelity is to be chosen.
+/// A superelement or a beam whose fidelity is to be chosen.
 bool is_open(const mbs::PreparedMechanism& run, const mbs::BodyDescription& body);
-/// A beam without superelement whose fidelity is to be chosen; it stands there as ANCF until it is chosen.
-bool is_open_beam(const mbs::PreparedMechanism& run, const mbs::BodyDescription& body);
 
 /// The part of a wanted accuracy that is for what bodies leave out: at 0.8 three of the trade's 18 cases missed their
 /// accuracy, at 0.5 none.
@@ -53,17 +50,20 @@ class Chooser {
   mbs::PreparedMechanism prepared(const std::vector<std::string>& words) const;
   std::vector<std::string> given() const;
   std::vector<std::string> overrides() const;
-  std::vector<std::string> overrides_of_beams() const;
+  std::vector<std::string> overrides_of_exact() const;
+  std::set<std::string> exact() const;
+  void make_full(const mbs::PreparedMechanism& screened, const std::vector<std::string>& stiffened);
+  void take_sizes(const mbs::PreparedMechanism& run);
   std::vector<std::string> keys_of(std::vector<std::string> overrides) const;
   void leave_out(const mbs::PreparedMechanism& rigid, const std::vector<std::string>& overrides);
   void screen(ChosenRun& out);
-  void choose_beams(const std::vector<ScreenedBeam>& screened);
   void choose();
   void keep_all();
   void keep_all_because(const std::string& why);
   void keep_all_of(const std::string& body, int available, const std::string& why);
   bool is_interrupted() const { return callbacks_.stop_wanted && callbacks_.stop_wanted(); }
   bool all_are_lost();
+  bool make_exact_beyond_range(const std::string& body);
   double share_of_each() const;
   bool has_output_of_its_own(const std::string& body) const;
   void choose_body(const Screened& s, double share);
@@ -96,7 +96,6 @@ class Chooser {
   std::optional<ToleranceChoice> tolerance_;  // where an accuracy is asked for
   std::map<std::string, BodyChoice> choices_;
   std::set<std::string> without_influence_;  // open bodies that are rigid whatever they do
-  std::vector<BeamChoice> beams_;
   std::unique_ptr<FullModel> full_;
   std::optional<Screening> screening_;
   std::unique_ptr<LaterGlobalError> steps_;  // of the run with the open bodies rigid
@@ -108,7 +107,8 @@ class Chooser {
       -1.0;  // [s], where the screening was sure that every open body needs all its deformations; else -1
   double integrator_spent_ = 0.0;  // of the run that was given up for it; else 0
   std::vector<std::string> restarts_;
-  std::set<std::string> refined_;  // bodies with which the run has gone on with more
+  std::set<std::string> beyond_range_;  // beams whose deformation has left its linear range
+  std::set<std::string> refined_;       // bodies with which the run has gone on with more
 };
 
 }  // namespace flexura::study

@@ -49,18 +49,36 @@ void add(mbs::StepCounts& counts, const mbs::StepCounts& more) {
 
 }  // namespace
 
+// The shadows' model of the choice: beams that are exact are as they are.
+void Chooser::make_full(const mbs::PreparedMechanism& screened, const std::vector<std::string>& stiffened) {
+  std::vector<std::string> words = given();
+  const auto beams = overrides_of_exact();
+  words.insert(words.end(), beams.begin(), beams.end());
+  full_ = FullModel::make(
+      screened, file_, words,
+      {.stiffened = stiffened, .rigid = without_influence_, .as_given = exact(), .own_frames = true});
+  if (full_ && !exact().empty()) take_sizes(screened);
+}
+
+// Outputs of the present full model, as large as they were in the one before.
+void Chooser::take_sizes(const mbs::PreparedMechanism& run) {
+  std::vector<OutputEstimate> outputs;
+  judged_outputs(run, full_->mechanism(), outputs);
+  for (OutputEstimate& o : outputs) {
+    const auto known = std::ranges::find(sizes_.outputs, o.name, &OutputEstimate::name);
+    o.counts = known != sizes_.outputs.end() && known->counts;
+    if (!o.counts) continue;
+    o.scale = known->scale;
+    o.size_rms = known->size_rms;
+  }
+  sizes_.outputs = std::move(outputs);
+}
+
 // One run with the present choices, and on with more where its shadows say so.
 ChosenRun Chooser::simulate(const mbs::PreparedMechanism& screened) {
   screening_.reset();
   const std::vector<std::string> stiffened = judged_with_stiffening();
-  const bool bent = std::ranges::any_of(beams_, [](const BeamChoice& beam) { return !beam.rigid; });
-  if (!stiffened.empty() || (full_ && bent)) {
-    std::vector<std::string> words = given();
-    const auto beams = overrides_of_beams();
-    words.insert(words.end(), beams.begin(), beams.end());
-    full_ = FullModel::make(screened, file_, words,
-                            {.stiffened = stiffened, .rigid = without_influence_, .own_frames = true});
-  }
+  if (!stiffened.empty() || !exact().empty()) make_full(screened, stiffened);
   ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, {}, {}, 0, 0.0, 0.0};
   const double start_time = out.prepared.options.start_time;
   mbs::State state = out.prepared.state;
@@ -83,25 +101,36 @@ ChosenRun Chooser::simulate(const mbs::PreparedMechanism& screened) {
     }
     if (worst.empty()) break;
     std::vector<std::string> was, is;
+    bool is_beyond_range = false;
     for (const std::string& body : worst) {
       BodyChoice& choice = choices_.at(body);
       refined_.insert(body);
       was.push_back(choice.what(body));
-      choice.refine();
+      if (beyond_range_.contains(body))
+        choice.make_exact("it left the range in which its deformation is linear");
+      else
+        choice.refine();
+      is_beyond_range = is_beyond_range || choice.exact;
       is.push_back(choice.what(body));
     }
     const double t_stopped = out.result.state.t;
     // What a run has lost that goes on is not known to its end; one that has just begun is cheap to begin anew, or that would go
     // on from its beginning.
     const bool begins_anew =
-        !start.is_there && (t_stopped - start_time < kSoon * span_ ||
-                            (good.is_there && good.state.t - start_time < kEarly * span_));
+        is_beyond_range ||
+        (!start.is_there && (t_stopped - start_time < kSoon * span_ ||
+                             (good.is_there && good.state.t - start_time < kEarly * span_)));
+    if (is_beyond_range) {
+      start = {};
+      make_full(screened, judged_with_stiffening());
+    }
     if (good.is_there && !begins_anew) start = std::move(good);
     // The part before is judged no more.
     if (start.is_there && tolerance_) tolerance_->take_safe_one();
     go_on(out, start, state, v_dot);
     restarts_.push_back(fmt::format(
-        "{} had used up the accuracy at t = {} s; {} as {}", fmt::join(was, "; "), number(t_stopped, 3),
+        "{} {} at t = {} s; {} as {}", fmt::join(was, "; "),
+        is_beyond_range ? "left its linear range" : "had used up the accuracy", number(t_stopped, 3),
         start.is_there ? fmt::format("gone on from t = {} s", number(state.t, 3)) : "begun anew",
         fmt::join(is, "; ")));
     steps_before = out.result.counts;
@@ -122,15 +151,16 @@ void Chooser::refine_beams(ChosenRun& out) {
     const auto check = ElementsCheck::make(out.prepared, file_, out.overrides, &known);
     if (!check) return;
     for (const RowOfRun& row : out.rows) check->take(row.state, row.v_dot);
-    out.elements = check->estimate(callbacks_, out.result.wall_time);
+    out.elements = check->estimate(callbacks_, out.result.wall_time,
+                                   out.integrator && out.integrator->is_whole ? out.integrator->error : 0.0);
     if ((out.elements->is_whole && out.elements->error <= kShareOfModes * accuracy_) ||
-        doublings == kMostDoublings)
+        doublings == kMostDoublings || (doublings > 0 && !out.elements->is_whole))
       return;
     bool has_more = false;
-    for (BeamChoice& beam : beams_) {
-      const auto spot = std::ranges::find(out.prepared.file.blind_spots, beam.body, &mbs::BlindSpot::name);
-      if (beam.rigid || spot == out.prepared.file.blind_spots.end() || spot->key.empty()) continue;
-      beam.elements = 2 * spot->elements;
+    for (auto& [body, choice] : choices_) {
+      const auto spot = std::ranges::find(out.prepared.file.blind_spots, body, &mbs::BlindSpot::name);
+      if (!choice.exact || spot == out.prepared.file.blind_spots.end() || spot->key.empty()) continue;
+      choice.elements = 2 * spot->elements;
       has_more = true;
     }
     if (!has_more) return;
@@ -149,17 +179,34 @@ void Chooser::refine_beams(ChosenRun& out) {
 std::vector<std::string> Chooser::run_until_over(ChosenRun& out, const mbs::State& state,
                                                  const VectorXd& v_dot, const Good& start, Good& good,
                                                  bool may_stop) {
-  const auto shadows = full_              ? Shadows::make(out.prepared, *full_)
-                       : choices_.empty() ? Shadows::make(out.prepared, file_, out.overrides)
-                                          : nullptr;
+  const auto shadows =
+      full_ ? Shadows::make(out.prepared, *full_) : Shadows::make(out.prepared, file_, out.overrides);
   VectorXd spent;
   if (shadows) spent = VectorXd::Zero(static_cast<Eigen::Index>(shadows->outputs().size()));
   if (start.is_there) spent = start.squares;
   std::vector<std::string> to_refine;
+  beyond_range_.clear();
+  std::vector<std::pair<std::string, int>> beams;  // that may have to be exact
+  const auto& bodies = out.prepared.mechanism->description().bodies;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (const auto found = choices_.find(bodies[b].name);
+        found != choices_.end() && found->second.is_beam && !found->second.exact && !found->second.rigid)
+      beams.emplace_back(bodies[b].name, static_cast<int>(b));
+  mbs::LinearRange range(*out.prepared.mechanism,
+                         out.prepared.options.end_time - out.prepared.options.start_time);
   mbs::RunCallbacks mine = callbacks_;
   mine.row = [&](const mbs::State& s, const VectorXd& a, const mbs::EnergyAccount& energy) {
     // The row from which the run goes on is there already.
     if (!start.is_there || s.t > state.t) out.rows.push_back({s, a, continued(energy, start.energy)});
+    if (!beams.empty() && may_stop) {
+      range.observe(s);
+      for (const auto& [name, b] : beams)
+        if (range.is_left(b)) beyond_range_.insert(name);
+      if (!beyond_range_.empty()) {
+        to_refine.assign(beyond_range_.begin(), beyond_range_.end());
+        may_stop = false;
+      }
+    }
     if (!shadows || !shadows->take(s, a)) return;
     const VectorXd squares = spent + shadows->squares();
     const double error = worst_output(squares, span_, sizes_.outputs).first;

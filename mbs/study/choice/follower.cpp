@@ -27,16 +27,26 @@ MatrixXd damping_of(const FullModel& full, const ModalBlock& block) {
 
 Follower::Follower(FullModel& full, const std::vector<ScreenedRow>& rows, std::size_t every,
                    const std::vector<int>& outputs, const ModalBlock& block, const MatrixXd& S,
-                   const MatrixXd& extra_damping)
+                   const MatrixXd& extra_damping, Transients transients)
     : full_(full),
       rows_(rows),
       every_(every),
       outputs_(outputs),
       alone_(full, block, S, extra_damping),
-      correction_(alone_.n(), 1) {
-  VectorXd own_damping = (S.transpose() * damping_of(full_, block) * S).diagonal();
-  if (extra_damping.size() > 0) own_damping += extra_damping.diagonal();
-  transients_.add((S.transpose() * stiffness_of(full_, block).asDiagonal() * S).diagonal(), own_damping);
+      correction_(alone_.n(), 1),
+      transients_(std::move(transients)) {}
+
+Transients transients_of(FullModel& full, const std::vector<ScreenedRow>& rows, const ModalBlock& block) {
+  Transients out;
+  const ScreenedRow& first = rows.front();
+  LinearisedRow own, small;
+  if (!first.linearised) full.linearise(first.s, first.v_dot, own);
+  const BodyAlone alone(full, block, MatrixXd::Identity(block.m, block.m), MatrixXd());
+  alone.project(first.linearised ? *first.linearised : own, small);
+  MatrixXd G;
+  alone.project(first.G, G);
+  if (!out.add(small, G)) out.add(stiffness_of(full, block), damping_of(full, block).diagonal());
+  return out;
 }
 
 bool Follower::next(VectorXd* y) {

@@ -27,9 +27,11 @@ struct ScreenedRow {
 class Follower {
  public:
   /// Of the rows one in `every`; `extra_damping` [1/s] (k x k or empty) of the columns of S beside the superelement's own.
+  /// `transients` are those of all of the body's deformations, whatever S has of them: between rows all steps are then alike,
+  /// and what they cost cancels where two are compared (at a resonance it is more than the modes left out).
   Follower(FullModel& full, const std::vector<ScreenedRow>& rows, std::size_t every,
            const std::vector<int>& outputs, const ModalBlock& block, const Eigen::MatrixXd& S,
-           const Eigen::MatrixXd& extra_damping);
+           const Eigen::MatrixXd& extra_damping, Transients transients);
 
   /// To the next row, and the outputs there unless y is null; false behind the last.
   bool next(Eigen::VectorXd* y);
@@ -47,6 +49,9 @@ class Follower {
   mbs::State moved_;
   std::size_t at_ = 0;  // the next row
 };
+
+/// What of the body may ring while the other bodies are rigid.
+Transients transients_of(FullModel& full, const std::vector<ScreenedRow>& rows, const ModalBlock& block);
 
 /// The outputs of a body in all its deformations, followed as far as a candidate has come so far.
 class WholeBody {

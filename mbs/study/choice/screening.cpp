@@ -62,7 +62,8 @@ Screening::Screening(const mbs::PreparedMechanism& run, FullModel& full, const s
       full_(full),
       file_(file),
       overrides_(std::move(overrides)),
-      shadows_(Shadows::make(run, full, HeldRows::kOfChoice, kRowsCompared)) {}
+      shadows_(Shadows::make(run, full, HeldRows::kOfChoice, kRowsCompared)),
+      range_(full.mechanism(), run.options.end_time - run.options.start_time) {}
 
 void Screening::ask_for_looks(mbs::RunCallbacks& callbacks) {
   if (!shadows_) return;
@@ -81,6 +82,12 @@ void Screening::keep(bool is_look) {
                    shadows_->linearised().G(), shadows_->corrected_outputs(), nullptr, shadows_->jumped(),
                    is_look});
   if (!is_look) ++n_rows_;
+  // What superelements of files bend by is for the run itself to tell: nothing else can be chosen for them.
+  if (std::ranges::any_of(full_.mechanism().description().bodies,
+                          [](const mbs::BodyDescription& body) { return body.of_beam != nullptr; })) {
+    VectorXd v_dot;
+    range_.observe(shadows_->corrected(v_dot));
+  }
   // What does not fit is taken anew where it is wanted.
   const auto& row = shadows_->linearised().row();
   if (row->number != last_number_)
@@ -88,6 +95,10 @@ void Screening::keep(bool is_look) {
                                          3 * row->Z_c.size());
   last_number_ = row->number;
   if (memory_ < kMostMemory) rows_.back().linearised = row;
+}
+
+bool Screening::leaves_linear_range(const std::string& body) const {
+  return range_.is_left(block_of(body).body);
 }
 
 TruncationEstimate Screening::estimate() const {
@@ -161,14 +172,23 @@ WholeBody Screening::whole_of(const ModalBlock& block) {
   return {rows_, rows_compared(),
           is_known ? nullptr
                    : std::make_unique<Follower>(full_, rows_, rows_between(), shadows_->outputs(), block,
-                                                MatrixXd::Identity(block.m, block.m), MatrixXd())};
+                                                MatrixXd::Identity(block.m, block.m), MatrixXd(),
+                                                transients(block))};
+}
+
+const Transients& Screening::transients(const ModalBlock& block) {
+  const auto found = transients_.find(block.name);
+  return found != transients_.end()
+             ? found->second
+             : transients_.emplace(block.name, transients_of(full_, rows_, block)).first->second;
 }
 
 // How far a candidate is from the whole: relative rms of the worst output over all rows.  Squares only add up, so that it is
 // given up at the row where they are too many: it is then above `share` and not told.
 double Screening::loss_of(const ModalBlock& block, const MatrixXd& S, const MatrixXd& extra_damping,
                           Goal& goal) {
-  Follower candidate(full_, rows_, rows_between(), shadows_->outputs(), block, S, extra_damping);
+  Follower candidate(full_, rows_, rows_between(), shadows_->outputs(), block, S, extra_damping,
+                     transients(block));
   ++effort_.candidates;
   VectorXd sum, y;
   const double time = goal.time;
@@ -200,7 +220,14 @@ Candidate Screening::judge(const ModalBlock& block, int modes, const MatrixXd& r
   MatrixXd S(block.m, modes + A.cols());
   S.leftCols(modes) = MatrixXd::Identity(block.m, modes);
   S.rightCols(A.cols()) = A;
-  out.loss = loss_of(block, S, {}, goal);
+  // Response modes alone are damped critically (fidelities.cpp).
+  MatrixXd extra_damping;
+  if (modes == 0) {
+    const VectorXd omega = (S.transpose() * omega2.asDiagonal() * S).diagonal().cwiseMax(0.0).cwiseSqrt();
+    extra_damping = -(S.transpose() * damping_of(full_, block) * S);
+    extra_damping.diagonal() += 2.0 * omega;
+  }
+  out.loss = loss_of(block, S, extra_damping, goal);
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "mbs/mechanism/range/linear_range.hpp"
 #include "mbs/solver/start/prepare.hpp"
 #include "mbs/study/choice/follower.hpp"
 #include "mbs/study/estimate/full_model.hpp"
@@ -64,6 +65,8 @@ class Screening {
   bool has_shadows() const { return shadows_ != nullptr; }
   /// What rigidity costs over the rows so far; needs has_shadows().
   TruncationEstimate estimate() const;
+  /// Whether the body's deformation has left the range in which it is linear (LinearRange), as the shadows follow it.
+  bool leaves_linear_range(const std::string& body) const;
   /// Time [s] between the first row and the last.
   double span() const { return rows_.empty() ? 0.0 : rows_.back().s.t - rows_.front().s.t; }
 
@@ -108,6 +111,7 @@ class Screening {
   std::vector<int> ladder_alone(const ModalBlock& block, int more_than, int fewer_than) const;
   std::optional<Candidate> fewest_held(const std::string& body, const std::vector<int>& ladder, Goal& goal);
   WholeBody whole_of(const ModalBlock& block);
+  const Transients& transients(const ModalBlock& block);
   double loss_of(const ModalBlock& block, const Eigen::MatrixXd& S, const Eigen::MatrixXd& extra_damping,
                  Goal& goal);
   Candidate judge(const ModalBlock& block, int modes, const Eigen::MatrixXd& responses, Goal& goal);
@@ -121,6 +125,7 @@ class Screening {
   std::filesystem::path file_;
   std::vector<std::string> overrides_;
   std::unique_ptr<Shadows> shadows_;
+  mbs::LinearRange range_;
   std::vector<ScreenedRow> rows_;
   std::size_t n_rows_ = 0;  // of them, without looks
   long last_number_ = 0;    // of the linearised rows kept
@@ -128,6 +133,7 @@ class Screening {
   Effort effort_;
   std::map<std::string, Eigen::MatrixXd> responses_;
   std::map<std::string, std::optional<Basis>> held_;
+  std::map<std::string, Transients> transients_;
 };
 
 }  // namespace flexura::study

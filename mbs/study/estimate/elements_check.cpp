@@ -23,7 +23,7 @@ constexpr int kFewest = 4;
 // The observed order: at least the first power, with a fifth for what is beside it; above four it is more often an accident.
 constexpr double kLeastOrder = 0.8, kMostOrder = 4.0;
 // What two runs differ by within their tolerance is the integrator's.
-constexpr double kOfTolerance = 10.0;
+constexpr double kOfTolerance = 10.0, kOfIntegrator = 2.0;
 // A run with finer elements may take longer; with these limits [s] and factors it does not take all day.
 constexpr double kLongest = 20.0, kPatience = 5.0;
 
@@ -174,7 +174,8 @@ void ElementsCheck::judge(bool few, const mbs::RunCallbacks& callbacks, Elements
     if (!outputs_[i].counts || !(outputs_[i].scale > 0.0)) continue;
     const double D_12 = relative(near, i), D_23 = relative(far, i), D_run = few ? D_23 : D_12;
     double error = D_run;  // of the first order, at least
-    if (std::max(D_12, D_23) > kOfTolerance * run_.options.tolerance) {
+    if (std::max(D_12, D_23) >
+        std::max(kOfTolerance * run_.options.tolerance, kOfIntegrator * of_integrator_)) {
       const double p = observed_order(h, D_12, D_23);
       if (p == 0.0) {
         if (D_run > worst_unclear) worst_unclear = D_run, unclear = outputs_[i].name;
@@ -201,8 +202,10 @@ void ElementsCheck::judge(bool few, const mbs::RunCallbacks& callbacks, Elements
   if (out.output.empty()) out.output = of;
 }
 
-ElementsEstimate ElementsCheck::estimate(const mbs::RunCallbacks& callbacks, double wall_of_run) {
+ElementsEstimate ElementsCheck::estimate(const mbs::RunCallbacks& callbacks, double wall_of_run,
+                                         double of_integrator) {
   wall_of_run_ = wall_of_run;
+  of_integrator_ = of_integrator;
   ElementsEstimate out;
   for (const Beam& beam : beams_) out.bodies.push_back(beam.name);
   judge(false, callbacks, out);

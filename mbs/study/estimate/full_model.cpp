@@ -54,8 +54,13 @@ MatrixXd deformations_of(const superelement::Superelement& se, const MatrixXd& Y
 
 }  // namespace
 
+int deformations_of(const mbs::BodyDescription& body) {
+  if (!body.is_reduced()) return 0;
+  return (body.of_beam ? body.of_beam->n() : superelement::contents(body.superelement).header.n()) - 6;
+}
+
 bool can_deform(const mbs::BodyDescription& body) {
-  return !body.superelement.empty() && superelement::contents(body.superelement).header.n() > 6;
+  return deformations_of(body) > 0;
 }
 
 std::string table_of(const std::string& body) {
@@ -66,6 +71,7 @@ std::string table_of(const std::string& body) {
 }
 
 bool has_stiffening_terms(const mbs::BodyDescription& body) {
+  if (body.of_beam) return !body.follows_surface && !body.is_loaded_by_case;
   const superelement::Contents file = superelement::contents(body.superelement);
   return !body.follows_surface && file.bytes.stiffening > 0.0 &&
          (!body.is_loaded_by_case || file.stiffening_of_loads);
@@ -77,7 +83,7 @@ FullModel::FullModel(std::unique_ptr<mbs::Mechanism> mechanism) : mechanism_(std
   const auto v_names =
       by_name(mechanism_->sizes().n_v, [&](int i) { return mechanism_->name_of_velocity(i); });
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (mechanism_->modal_position(static_cast<int>(b)) < 0 || bodies[b].superelement.empty()) continue;
+    if (mechanism_->modal_position(static_cast<int>(b)) < 0 || !bodies[b].is_reduced()) continue;
     ModalBlock block;
     block.body = static_cast<int>(b);
     block.name = bodies[b].name;
@@ -95,7 +101,7 @@ std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run,
   std::vector<std::string> full = overrides;
   bool any = false;
   for (const mbs::BodyDescription& body : run.mechanism->description().bodies) {
-    if (!can_deform(body)) continue;
+    if (!can_deform(body) || scope.as_given.contains(body.name)) continue;
     const auto say = [&](const std::string& words) {
       full.push_back(fmt::format("{}.{}", table_of(body.name), words));
     };
@@ -109,8 +115,7 @@ std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run,
     any = true;
     say(std::ranges::find(scope.stiffened, body.name) != scope.stiffened.end() ? "fidelity=modal-stiffened"
                                                                                : "fidelity=modal");
-    if (const int most = superelement::contents(body.superelement).header.n() - 6;
-        scope.modes > 0 && scope.modes < most)
+    if (const int most = deformations_of(body); scope.modes > 0 && scope.modes < most)
       say(fmt::format("modes={}", scope.modes));
   }
   if (!any) return nullptr;
@@ -296,8 +301,8 @@ Embedding::Embedding(const mbs::Mechanism& run, const FullModel& full)
       mine.at = at - (mine.one_way ? zero.c.data() : zero.p.data());
       mine.rate_at = mine.one_way ? mine.at + deforms->m() : v_run.at(block.name + ".mode_1_rate");
       const auto& whole = all.description().bodies[static_cast<std::size_t>(block.body)];
-      mine.S = deformations_of(*full.cache_->read(whole.superelement, {}), whole.flexible->modal()->Y,
-                               deforms->modal()->Y);
+      const auto se = whole.of_beam ? whole.of_beam : full.cache_->read(whole.superelement, {});
+      mine.S = deformations_of(*se, whole.flexible->modal()->Y, deforms->modal()->Y);
       mine.complete = !mine.one_way && is_the_same(*whole.flexible->modal(), *deforms->modal(), mine.S);
     }
     blocks_.push_back(std::move(mine));

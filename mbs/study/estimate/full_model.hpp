@@ -25,6 +25,9 @@ struct ModalBlock {
   Eigen::Index p = 0, v = 0, m = 0;  ///< first entry in p, in v; number
 };
 
+/// Coordinates of the body's superelement beside its six rigid motions; 0 without one.
+int deformations_of(const mbs::BodyDescription& body);
+
 /// The body has a superelement with coordinates beside its six rigid motions; one without them (of an import) only
 /// carries a rigid body's inertia and picture.
 bool can_deform(const mbs::BodyDescription& body);
@@ -40,6 +43,7 @@ bool has_stiffening_terms(const mbs::BodyDescription& body);
 struct FullScope {
   std::vector<std::string> stiffened;  ///< bodies that are taken with geometric stiffening
   std::set<std::string> rigid;         ///< bodies that are taken without deformation
+  std::set<std::string> as_given;      ///< bodies that are taken as the overrides say
   int modes = 0;                       ///< no more than so many of each body; 0: all
   /// The file's own frames and boundary conditions instead of mean axes and free modes: a damping ratio is of the modes they
   /// make, so that what nothing was left out of is the same body.

@@ -69,7 +69,8 @@ class GlobalError {
   std::vector<mbs::Instant> waiting_;  // rows whose error is not known yet
   mbs::State moved_;
   Eigen::VectorXd e_, y_, y_moved_, v_dot_moved_, squares_, sizes_;
-  mbs::State last_;  // where the last step ended
+  mbs::State last_;                           // where the last step ended
+  double largest_v_ = 0.0, largest_c_ = 0.0;  // entries of velocities and states so far
   // Steps that leave the constraints are moved onto them.
   bool closes_steps_ = false, is_new_ = true;
   mbs::Instant begin_, end_;  // begin_ and nodes_: what the equation is given of the step

@@ -162,7 +162,7 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, const 
                                        const std::vector<std::string>& overrides) {
   std::vector<std::string> stiffened;
   for (const mbs::BodyDescription& body : run.mechanism->description().bodies)
-    if (!body.superelement.empty() && has_stiffening_terms(body)) stiffened.push_back(body.name);
+    if (body.is_reduced() && has_stiffening_terms(body)) stiffened.push_back(body.name);
   // What stays rigid and has no part in the outputs has none in their errors.
   std::set<std::string> rigid;
   const auto& bodies = run.mechanism->description().bodies;
