@@ -64,6 +64,13 @@ VectorXd BodyAlone::load(const VectorXd& r) const {
   return out;
 }
 
+VectorXd BodyAlone::gather(const VectorXd& x) const {
+  VectorXd out(n());
+  for (std::size_t j = 0; j < joint_.size(); ++j) out(static_cast<Index>(j)) = x(joint_[j]);
+  out.tail(S_.cols()).noalias() = S_.transpose() * x.segment(v_, m_);
+  return out;
+}
+
 VectorXd BodyAlone::spread(const VectorXd& x) const {
   VectorXd out = VectorXd::Zero(n_v_);
   for (std::size_t j = 0; j < joint_.size(); ++j) out(joint_[j]) = x(static_cast<Index>(j));

@@ -26,6 +26,8 @@ class BodyAlone {
   void project(const Eigen::MatrixXd& G, Eigen::MatrixXd& small) const;
   /// What drives the body's own deformations of minus the residual r (n_v), the load that they are not there to feel (n).
   Eigen::VectorXd load(const Eigen::VectorXd& r) const;
+  /// The transpose of spread(): x (n_v) on the coordinates here (n).
+  Eigen::VectorXd gather(const Eigen::VectorXd& x) const;
   /// x (n) in the full model (n_v).
   Eigen::VectorXd spread(const Eigen::VectorXd& x) const;
 

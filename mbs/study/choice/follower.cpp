@@ -27,14 +27,16 @@ MatrixXd damping_of(const FullModel& full, const ModalBlock& block) {
 
 Follower::Follower(FullModel& full, const std::vector<ScreenedRow>& rows, std::size_t every,
                    const std::vector<int>& outputs, const ModalBlock& block, const MatrixXd& S,
-                   const MatrixXd& extra_damping, Transients transients)
+                   const MatrixXd& extra_damping, Transients transients, bool next_order)
     : full_(full),
       rows_(rows),
       every_(every),
       outputs_(outputs),
       alone_(full, block, S, extra_damping),
-      correction_(alone_.n(), 1),
-      transients_(std::move(transients)) {}
+      correction_(alone_.n(), next_order ? 2 : 1),
+      transients_(std::move(transients)),
+      has_next_order_(next_order),
+      next_order_(VectorXd::Zero(next_order ? alone_.n() : 0)) {}
 
 Transients transients_of(FullModel& full, const std::vector<ScreenedRow>& rows, const ModalBlock& block) {
   Transients out;
@@ -62,15 +64,28 @@ bool Follower::next(VectorXd* y) {
   bool jumped = false;
   for (std::size_t k = i; k > 0 && k + every_ > i; --k) jumped = jumped || rows_[k].jumped;
   if (jumped) transients_.begin();
-  correction_.step(i == 0 ? 0.0 : at.s.t - rows_[i - every_].s.t, small_, G_, alone_.load(at.residual),
-                   &transients_, jumped);
+  const VectorXd first = alone_.load(at.residual);
+  MatrixXd load(first.size(), has_next_order_ ? 2 : 1);
+  load.col(0) = first;
+  if (has_next_order_) load.col(1) = next_order_;
+  correction_.step(i == 0 ? 0.0 : at.s.t - rows_[i - every_].s.t, small_, G_, load, &transients_, jumped);
+  // The state moved by these columns of the correction, and its accelerations.
+  const auto move = [&](Index columns) -> VectorXd {
+    const auto sum = [&](const MatrixXd& of) { return VectorXd(of.leftCols(columns).rowwise().sum()); };
+    full_.move(at.s, row,
+               {alone_.spread(sum(correction_.delta())), alone_.spread(sum(correction_.rate())),
+                sum(correction_.dlambda()), sum(correction_.states())},
+               moved_);
+    return at.v_dot + alone_.spread(sum(correction_.acceleration()));
+  };
+  if (has_next_order_) {
+    const VectorXd v_dot = move(1);
+    full_.residual(moved_, v_dot, r_);
+    next_order_ = first - alone_.gather(r_ - at.residual);
+  }
   if (!y) return true;
-  const auto only = [](const MatrixXd& of) { return of.rows() > 0 ? VectorXd(of.col(0)) : VectorXd(); };
-  full_.move(at.s, row,
-             {alone_.spread(correction_.delta().col(0)), alone_.spread(correction_.rate().col(0)),
-              only(correction_.dlambda()), only(correction_.states())},
-             moved_);
-  full_.evaluate(outputs_, moved_, at.v_dot + alone_.spread(correction_.acceleration().col(0)), *y);
+  const VectorXd v_dot = move(load.cols());
+  full_.evaluate(outputs_, moved_, v_dot, *y);
   return true;
 }
 

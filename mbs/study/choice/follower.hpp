@@ -28,10 +28,11 @@ class Follower {
  public:
   /// Of the rows one in `every`; `extra_damping` [1/s] (k x k or empty) of the columns of S beside the superelement's own.
   /// `transients` are those of all of the body's deformations, whatever S has of them: between rows all steps are then alike,
-  /// and what they cost cancels where two are compared (at a resonance it is more than the modes left out).
+  /// and what they cost cancels where two are compared (at a resonance it is more than the modes left out).  `next_order`: with
+  /// what the first order leaves of the equations, as shadows follow it.
   Follower(FullModel& full, const std::vector<ScreenedRow>& rows, std::size_t every,
            const std::vector<int>& outputs, const ModalBlock& block, const Eigen::MatrixXd& S,
-           const Eigen::MatrixXd& extra_damping, Transients transients);
+           const Eigen::MatrixXd& extra_damping, Transients transients, bool next_order);
 
   /// To the next row, and the outputs there unless y is null; false behind the last.
   bool next(Eigen::VectorXd* y);
@@ -45,6 +46,8 @@ class Follower {
   LinearCorrection correction_;
   Transients transients_;
   LinearisedRow small_, own_;
+  bool has_next_order_;
+  Eigen::VectorXd next_order_, r_;  // load, from the row before
   Eigen::MatrixXd G_;
   mbs::State moved_;
   std::size_t at_ = 0;  // the next row

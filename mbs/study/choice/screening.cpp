@@ -173,7 +173,13 @@ WholeBody Screening::whole_of(const ModalBlock& block) {
           is_known ? nullptr
                    : std::make_unique<Follower>(full_, rows_, rows_between(), shadows_->outputs(), block,
                                                 MatrixXd::Identity(block.m, block.m), MatrixXd(),
-                                                transients(block))};
+                                                transients(block), asks_next_order())};
+}
+
+// Where forces answer deformations otherwise than in proportion, by more than a little of what is asked.
+bool Screening::asks_next_order() const {
+  constexpr double kLittle = 0.1;
+  return shadows_->next_order_error() > kLittle * least_share_;
 }
 
 const Transients& Screening::transients(const ModalBlock& block) {
@@ -188,7 +194,7 @@ const Transients& Screening::transients(const ModalBlock& block) {
 double Screening::loss_of(const ModalBlock& block, const MatrixXd& S, const MatrixXd& extra_damping,
                           Goal& goal) {
   Follower candidate(full_, rows_, rows_between(), shadows_->outputs(), block, S, extra_damping,
-                     transients(block));
+                     transients(block), asks_next_order());
   ++effort_.candidates;
   VectorXd sum, y;
   const double time = goal.time;
@@ -303,6 +309,7 @@ std::vector<int> Screening::ladder_alone(const ModalBlock& block, int more_than,
 }
 
 double Screening::least_loss(const std::string& body, double share, double whole) {
+  least_share_ = share;
   if (n_rows_ < 2) return 0.0;
   const ModalBlock& block = block_of(body);
   const MatrixXd& responses = responses_of(body);
@@ -321,6 +328,7 @@ double Screening::least_loss(const std::string& body, double share, double whole
 }
 
 Candidate Screening::cheapest(const std::string& body, double share) {
+  least_share_ = share;
   const ModalBlock& block = block_of(body);
   const MatrixXd& responses = responses_of(body);
   Candidate best;

@@ -112,6 +112,7 @@ class Screening {
   std::optional<Candidate> fewest_held(const std::string& body, const std::vector<int>& ladder, Goal& goal);
   WholeBody whole_of(const ModalBlock& block);
   const Transients& transients(const ModalBlock& block);
+  bool asks_next_order() const;
   double loss_of(const ModalBlock& block, const Eigen::MatrixXd& S, const Eigen::MatrixXd& extra_damping,
                  Goal& goal);
   Candidate judge(const ModalBlock& block, int modes, const Eigen::MatrixXd& responses, Goal& goal);
@@ -131,6 +132,7 @@ class Screening {
   long last_number_ = 0;    // of the linearised rows kept
   double memory_ = 0.0;     // [B], of these
   Effort effort_;
+  double least_share_ = 0.0;  // that is asked of a candidate
   std::map<std::string, Eigen::MatrixXd> responses_;
   std::map<std::string, std::optional<Basis>> held_;
   std::map<std::string, Transients> transients_;

@@ -52,11 +52,13 @@ void BeyondFirstOrder::begin(const mbs::State& s, const VectorXd& v_dot, const L
     has_changed_[k] = has_changed_[k] || s.root[k] != first_positions_[k];
 }
 
-void BeyondFirstOrder::take(std::size_t source, const FullModel::Correction& by, const VectorXd& acceleration,
-                            const mbs::State& moved, const VectorXd& load) {
+const VectorXd& BeyondFirstOrder::take(std::size_t source, const FullModel::Correction& by,
+                                       const VectorXd& acceleration, const mbs::State& moved,
+                                       const VectorXd& load) {
   Sums& sums = sources_[source];
   ++sums.taken;
   mechanism_.momentum(moved, a_ + acceleration, *scratch_, r_moved_, c_moved_, b_);
+  left_ = r_moved_ - r_ - load;
   const auto n_rigid = static_cast<Index>(rigid_.size());
   for (Index i = 0; i < n_rigid; ++i) {
     const Index at = rigid_[static_cast<std::size_t>(i)];
@@ -66,7 +68,7 @@ void BeyondFirstOrder::take(std::size_t source, const FullModel::Correction& by,
     double first = 0.0;
     for (const double part : parts) first += std::abs(part);
     sums.first(i) += first * first;
-    sums.rest(i) += std::pow(r_moved_(at) - r_(at) - load(at), 2);
+    sums.rest(i) += left_(at) * left_(at);
   }
   for (Index k = 0; k < c_rate_.size(); ++k) {
     const double first =
@@ -74,10 +76,11 @@ void BeyondFirstOrder::take(std::size_t source, const FullModel::Correction& by,
     sums.first(n_rigid + k) += first * first;
     sums.rest(n_rigid + k) += std::pow(c_moved_(k) - c_rate_(k) - first, 2);
   }
-  if (roots_.size() == 0) return;
+  if (roots_.size() == 0) return left_;
   mechanism_.roots(moved, *scratch_, roots_moved_);
   for (Index k = 0; k < roots_.size(); ++k)
     if (roots_(k) >= 0.0 && roots_moved_(k) < 0.0) sums.thrown.insert(static_cast<int>(k));
+  return left_;
 }
 
 VectorXd BeyondFirstOrder::rests() const {

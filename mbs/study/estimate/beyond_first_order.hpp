@@ -11,9 +11,9 @@
 /// What a linear correction of left-out deformations cannot see: a dead band, a square or a table's flat part answers them to
 /// the second order alone, and a switch that they would throw stays as it is.  Of all that the first order says "no change".
 ///
-/// At the moved state the equations of motion hold to first order.  What is left of them on the coordinates of joints, and of
-/// the rates of controls' states, is of higher order: where it is no smaller than what the first order brings there and than
-/// what the run has there, the correction says nothing about it.
+/// At the moved state the equations of motion hold to first order.  What is left of them is of higher order, and drives the
+/// correction in its turn (shadows.cpp).  Where it is no smaller, on the coordinates of joints and the rates of controls'
+/// states, than what the first order brings there and than what the run has there, neither says anything about it.
 namespace flexura::study {
 
 class BeyondFirstOrder {
@@ -22,9 +22,11 @@ class BeyondFirstOrder {
 
   /// A row of the run, in the full model, and its derivatives (or those of one shortly before).
   void begin(const mbs::State& s, const Eigen::VectorXd& v_dot, const LinearisedRow& row);
-  /// The same as a source's correction moves it; `load` is what drives that.
-  void take(std::size_t source, const FullModel::Correction& by, const Eigen::VectorXd& acceleration,
-            const mbs::State& moved, const Eigen::VectorXd& load);
+  /// The same as a source's correction moves it; `load` is what drives that.  Returns what is left of the momentum balance
+  /// (n_v): the load of the next order is minus that.
+  const Eigen::VectorXd& take(std::size_t source, const FullModel::Correction& by,
+                              const Eigen::VectorXd& acceleration, const mbs::State& moved,
+                              const Eigen::VectorXd& load);
 
   /// Why the correction of this source says too little; empty where it says enough.
   std::string why(std::size_t source) const;
@@ -44,7 +46,7 @@ class BeyondFirstOrder {
   const LinearisedRow* row_ = nullptr;
   std::vector<Sums> sources_;
   Eigen::VectorXd own_;  // squares: what the run has there
-  Eigen::VectorXd a_, r_, c_rate_, r_moved_, c_moved_, b_, roots_, roots_moved_;
+  Eigen::VectorXd a_, r_, c_rate_, r_moved_, left_, c_moved_, b_, roots_, roots_moved_;
   std::vector<int> first_positions_;
   std::vector<bool> has_changed_;
 };

@@ -50,6 +50,8 @@ struct Shadows::Impl {
   std::optional<RecoveredOutputs> recovered;
   MatrixXd source_sums, last_source;  // outputs x sources: integral of the error squared
   VectorXd square, square_size, last_square, last_size;
+  VectorXd next_square, last_next, y_first;  // what the next order changes
+  bool tells_next_order = false;
   bool asked = false, starts_quasi_static = false;  // asked: the user named the outputs
   double tolerance;
   Families families;
@@ -66,11 +68,13 @@ struct Shadows::Impl {
   VectorXd v_dot, r, y, y_moved;
   HeldRows linearised;
 
+  MatrixXd next_order;  // n_v x sources: loads
   MatrixXd loads() const;
   bool jumps_before(double t);
   void look_behind_start(double start, double end);
   void list_transients();
   bool follow(const mbs::State& at, const VectorXd& v_dot_at, bool is_row);
+  void take_next_order(const MatrixXd& load);
   void compare(const mbs::State& at, const VectorXd& v_dot_at, double h);
 };
 
@@ -103,6 +107,20 @@ bool Shadows::Impl::jumps_before(double now) {
   return any;
 }
 
+// What the first order leaves of the equations at the state that it moves the run to.  It drives the correction from the next
+// row on.
+void Shadows::Impl::take_next_order(const MatrixXd& load) {
+  beyond->begin(s, v_dot, *linearised.row());
+  for (Index k = 0; k < load.cols(); ++k) {
+    const auto part = [&](const MatrixXd& columns) { return VectorXd(columns.col(k)); };
+    const FullModel::Correction by{part(correction->delta()), part(correction->rate()),
+                                   part(correction->dlambda()), part(correction->states())};
+    full.move(s, *linearised.row(), by, moved);
+    next_order.col(k) =
+        -beyond->take(static_cast<std::size_t>(k), by, part(correction->acceleration()), moved, load.col(k));
+  }
+}
+
 void Shadows::Impl::compare(const mbs::State& at, const VectorXd& v_dot_at, double h) {
   full.evaluate(outputs, s, v_dot, y);
   VectorXd follows = recovered->beyond(at, v_dot_at, y);
@@ -111,21 +129,29 @@ void Shadows::Impl::compare(const mbs::State& at, const VectorXd& v_dot_at, doub
   const Index n = y.size(), n_sources = static_cast<Index>(sources.size());
   VectorXd now_square(n), now_size(n);
   MatrixXd now_source = MatrixXd::Zero(n, n_sources);
-  beyond->begin(s, v_dot, *linearised.row());
-  const MatrixXd load = loads();
   // Each source alone, then all together (which is the same where there is one).
   for (Index k = n_sources > 1 ? 0 : n_sources; k <= n_sources; ++k) {
     const bool all = k == n_sources;
     const auto part = [&](const MatrixXd& columns) {
-      return all ? VectorXd(columns.rowwise().sum()) : VectorXd(columns.col(k));
+      return all ? VectorXd(columns.rowwise().sum()) : VectorXd(columns.col(k) + columns.col(n_sources + k));
     };
     const FullModel::Correction by{part(correction->delta()), part(correction->rate()),
                                    part(correction->dlambda()), part(correction->states())};
     full.move(s, *linearised.row(), by, moved);
     full.evaluate(outputs, moved, v_dot + part(correction->acceleration()), y_moved);
-    if (!all || n_sources == 1)
-      beyond->take(all ? 0 : static_cast<std::size_t>(k), by, part(correction->acceleration()), moved,
-                   part(load));
+    if (all && tells_next_order) {
+      const auto first = [&](const MatrixXd& columns) {
+        return VectorXd(columns.leftCols(n_sources).rowwise().sum());
+      };
+      full.move(s, *linearised.row(),
+                {first(correction->delta()), first(correction->rate()), first(correction->dlambda()),
+                 first(correction->states())},
+                moved);
+      full.evaluate(outputs, moved, v_dot + first(correction->acceleration()), y_first);
+      const VectorXd now = (y_moved - y_first).cwiseAbs2();
+      next_square += 0.5 * h * (now + last_next);
+      last_next = now;
+    }
     if (all) continue;
     const std::string& body = full.blocks()[sources[static_cast<std::size_t>(k)]].name;
     for (Index i = 0; i < n; ++i) {
@@ -203,10 +229,13 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
   in.look_behind_start(run.state.t, run.options.end_time);
   const Index n_out = static_cast<Index>(in.outputs.size()),
               n_sources = static_cast<Index>(in.sources.size());
-  in.square = in.square_size = in.last_square = in.last_size = VectorXd::Zero(n_out);
+  in.square = in.square_size = in.last_square = in.last_size = in.next_square = in.last_next =
+      VectorXd::Zero(n_out);
+  in.tells_next_order = std::isfinite(most_compared);
   in.source_sums = in.last_source = MatrixXd::Zero(n_out, n_sources);
   in.known = std::make_unique<mbs::KnownTimes>(*run.mechanism, run.options);
-  in.correction = std::make_unique<LinearCorrection>(full.mechanism().sizes().n_v, n_sources);
+  in.correction = std::make_unique<LinearCorrection>(full.mechanism().sizes().n_v, 2 * n_sources);
+  in.next_order = MatrixXd::Zero(full.mechanism().sizes().n_v, n_sources);
   in.beyond = std::make_unique<BeyondFirstOrder>(full, in.sources.size());
   std::unique_ptr<Shadows> shadows(new Shadows(std::move(impl)));
   if (!looks.is_all) shadows->take_rows_alone(run);
@@ -245,7 +274,12 @@ bool Shadows::Impl::follow(const mbs::State& at, const VectorXd& v_dot_at, bool 
   if (taken == 0) list_transients();
   jumped = taken > 0 && jumps_before(at.t);
   if (jumped) transients.begin();
-  correction->step(h, *linearised.row(), linearised.G(), loads(), &transients, jumped);
+  const MatrixXd load = loads();
+  const Index n_sources = load.cols();
+  MatrixXd both(load.rows(), 2 * n_sources);
+  both << load, next_order;
+  correction->step(h, *linearised.row(), linearised.G(), both, &transients, jumped);
+  take_next_order(load);
   if (taken % compared == 0) {
     compare(at, v_dot_at, taken > 0 ? at.t - t_compared : 0.0);
     t_compared = at.t;
@@ -286,6 +320,12 @@ std::size_t Shadows::rows_compared() const {
 }
 const std::vector<int>& Shadows::outputs() const {
   return impl_->outputs;
+}
+double Shadows::next_order_error() const {
+  const Impl& in = *impl_;
+  return in.tells_next_order && in.span > 0.0
+             ? worst_output(in.next_square, in.span, estimate().outputs).first
+             : 0.0;
 }
 const VectorXd& Shadows::squares() const {
   return impl_->square;

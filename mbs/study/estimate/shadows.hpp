@@ -91,6 +91,9 @@ class Shadows {
   std::size_t rows_compared() const;
   /// The outputs that are compared: quantities of the full model.
   const std::vector<int>& outputs() const;
+  /// What forces that do not answer the deformations in proportion change of the worst output that counts (relative rms); of
+  /// shadows that compare few rows, else 0.
+  double next_order_error() const;
   /// Squared errors of the outputs, integrated until the last row compared.
   const Eigen::VectorXd& squares() const;
   /// At the last row taken: the run's state in the full model, and that state corrected.
