@@ -207,8 +207,8 @@ double KnownTimes::shortest(const Equations& eq, const SolverOptions& options, d
 KnownTimes::Looks KnownTimes::looks(const Equations& eq, const SolverOptions& options, double apart,
                                     std::size_t most) {
   constexpr int kBehind = 16;
-  constexpr double kCounts =
-      0.02;  // shorter stretches of a group are the ends of a curve that begins smoothly
+  // Of the longest of a group: shorter ones are the ends of a curve that begins smoothly.
+  constexpr double kCounts = 0.02;
   Looks out;
   const auto look = [&](double t) {
     if (t > options.start_time && t < options.end_time) out.t.push_back(t);
@@ -222,8 +222,10 @@ KnownTimes::Looks KnownTimes::looks(const Equations& eq, const SolverOptions& op
   const auto end_group = [&] {
     if (group.empty()) return;
     const double begin = group.front().begin, length = group.back().end - begin;
+    double longest = 0.0;
+    for (const Stretch& one : group) longest = std::max(longest, one.end - one.begin);
     const auto bounds = std::ranges::count_if(
-        group, [&](const Stretch& one) { return one.end - one.begin > kCounts * length; });
+        group, [&](const Stretch& one) { return one.end - one.begin > kCounts * longest; });
     const int n = std::max(kLooks, 4 * static_cast<int>(bounds));
     for (int k = 0; k <= n; ++k) look(begin + length * k / n);
     look_behind(begin + length);

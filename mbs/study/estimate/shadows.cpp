@@ -218,13 +218,16 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
   if (in.sources.empty()) return nullptr;
   in.outputs = judged_outputs(run, full.mechanism(), in.sums);
   in.recovered.emplace(*run.mechanism, in.sums);
-  constexpr std::size_t kMostLooks = 400;
+  // What they cost grows with the third power of the coordinates.
+  constexpr double kMostLooks = 4000.0, kLeastLooks = 400.0, kWork = 1.5e9;
+  const auto most_looks = static_cast<std::size_t>(
+      std::clamp(kWork / std::pow(full.mechanism().sizes().n_v, 3.0), kLeastLooks, kMostLooks));
   in.rows_apart = static_cast<double>(in.every) * run.options.output_step;
   constexpr double kRowsForFamilies = 100.0;
   in.for_families = std::max(1L, static_cast<long>((run.options.end_time - run.options.start_time) /
                                                    in.rows_apart / kRowsForFamilies));
   mbs::KnownTimes::Looks looks =
-      mbs::KnownTimes::looks(*run.mechanism, run.options, in.rows_apart, kMostLooks);
+      mbs::KnownTimes::looks(*run.mechanism, run.options, in.rows_apart, most_looks);
   in.look_at = std::move(looks.t);
   in.look_behind_start(run.state.t, run.options.end_time);
   const Index n_out = static_cast<Index>(in.outputs.size()),
