@@ -64,8 +64,7 @@ std::vector<NamedRun> prepare_runs(const MechanismArguments& arguments) {
     overrides.insert(overrides.end(), arguments.set.begin(), arguments.set.end());
     if (!arguments.state.empty()) overrides.push_back("solver.initial_state=" + arguments.state);
     try {
-      runs.push_back(
-          {run.name, mbs::prepare(arguments.file, overrides, arguments.from_state, cache), overrides});
+      runs.push_back({run.name, mbs::prepare(arguments.file, overrides, arguments.from_state, cache)});
     } catch (const mbs::NotAssembled& open) {
       const std::string page = std::filesystem::path(arguments.file).stem().string() + ".open.html";
       try {

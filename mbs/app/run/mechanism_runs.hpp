@@ -29,7 +29,6 @@ void declare_choices(terminal::Options& options, MechanismArguments& arguments);
 struct NamedRun {
   std::string name;
   mbs::PreparedMechanism prepared;
-  std::vector<std::string> overrides;  ///< that it was prepared with: the run's own, then the command line's
   std::vector<std::string> warnings = {};  ///< of its start, printed already
 };
 

@@ -58,7 +58,7 @@ std::unique_ptr<study::ElementsCheck> wanted_elements_check(const NamedRun& run,
   const bool is_wanted = arguments.check_elements ||
                          (run.prepared.file.solver.quantity("accuracy") > 0.0 && !arguments.no_estimate);
   if (!is_wanted || !arguments.from_state.empty() || !arguments.continue_from.empty()) return nullptr;
-  return study::ElementsCheck::make(run.prepared, arguments.file, run.overrides);
+  return study::ElementsCheck::make(run.prepared);
 }
 
 // The runs that tell, each null where it is not wanted.
@@ -151,8 +151,7 @@ RunOutcome run_as_told(const NamedRun& run, const SimulateArguments& arguments, 
   Recorder recorder(prepared, writer);
   recorder.begin(run.name);
   const auto watch = wanted_watch(prepared, arguments, recorder);
-  const auto shadows =
-      arguments.no_estimate ? nullptr : study::Shadows::make(prepared, arguments.file, run.overrides);
+  const auto shadows = arguments.no_estimate ? nullptr : study::Shadows::make(prepared);
   const Checks checks{wanted_check(prepared, arguments), wanted_elements_check(run, arguments)};
   const StoredRow observe = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const EnergyRow& energy) {
     recorder.append(s, v_dot, energy);
@@ -241,13 +240,12 @@ RunOutcome run_within_accuracy(NamedRun& run, const SimulateArguments& arguments
     throw std::invalid_argument(
         "a run whose fidelity is chosen starts from the file's own state; take --from-state or --continue "
         "away, or give fidelities in place of \"auto\" and solver.accuracy");
-  study::ChosenRun chosen = study::run_within(run.prepared, arguments.file, run.overrides, callbacks,
-                                              !arguments.no_estimate && !arguments.check_integrator);
+  study::ChosenRun chosen =
+      study::run_within(run.prepared, callbacks, !arguments.no_estimate && !arguments.check_integrator);
   if (parts && chosen.result.complete)
     if (std::vector<std::string> finer = finer_parts(*parts, chosen.prepared); !finer.empty())
       throw FinerParts{std::move(finer)};
   run.prepared = std::move(chosen.prepared);
-  run.overrides = std::move(chosen.overrides);
   Recorder recorder(run.prepared, writer);
   recorder.begin(run.name);
   const Checks checks{wanted_check(run.prepared, arguments), wanted_elements_check(run, arguments)};

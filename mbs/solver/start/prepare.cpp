@@ -56,15 +56,23 @@ void start_in_equilibrium(PreparedMechanism& out) {
 
 }  // namespace
 
-PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<std::string>& overrides,
+PreparedMechanism prepare(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                          const std::filesystem::path& state_file, std::shared_ptr<PreparationCache> cache) {
+  return prepare(std::make_shared<FileSource>(file, overrides), {}, state_file, std::move(cache));
+}
+
+PreparedMechanism prepare(std::shared_ptr<const ModelSource> source, const ModelChoice& choice,
                           const std::filesystem::path& state_file, std::shared_ptr<PreparationCache> cache) {
   if (!cache) cache = std::make_shared<PreparationCache>();
-  MechanismFile file = read_mechanism(path, solver_schema(), overrides, cache.get());
+  MechanismFile file = source->read(choice, *cache);
   PreparedMechanism out(std::move(file), std::move(cache));
+  const std::string path = source->name();
+  out.source = std::move(source);
+  out.choice = choice;
   if (out.file.description.bodies.size() < 2 && out.file.description.controls.empty())
     throw input::InputError(fmt::format(
         "{}: has no body and no control: there is nothing that could move; give at least one [body.NAME]",
-        path.string()));
+        path));
   out.options = read_solver_options(out.file.solver);
   out.notes = out.file.notes;
   out.mechanism = std::make_unique<Mechanism>(out.file.description);
@@ -81,10 +89,10 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
   } catch (const OpenLoops& e) {
     std::vector<Opening> openings = openings_of(*out.mechanism, e.g);
     out.state.p = e.p;
-    const std::string what = fmt::format("{}: {}", path.string(), e.what());
+    const std::string what = fmt::format("{}: {}", path, e.what());
     throw NotAssembled(what, std::make_shared<const PreparedMechanism>(std::move(out)), std::move(openings));
   } catch (const AssemblyError& e) {
-    throw input::InputError(fmt::format("{}: {}", path.string(), e.what()));
+    throw input::InputError(fmt::format("{}: {}", path, e.what()));
   }
   if (out.options.method == "generalised_alpha" && out.options.rho_inf == 1.0 &&
       out.options.fixed_step == 0.0 && out.mechanism->sizes().n_lambda > 0)
@@ -92,7 +100,7 @@ PreparedMechanism prepare(const std::filesystem::path& path, const std::vector<s
         fmt::format("{}: solver.rho_inf = 1: leaves constraint forces undamped, and each change of the step "
                     "makes them swing; "
                     "give 0.99 or less, or a fixed_step",
-                    path.string()));
+                    path));
   if (set && set->equilibrium && state_file.empty()) start_in_equilibrium(out);
   if (!state_file.empty()) {
     // Now that the redundant rows are gone the multipliers have their places.

@@ -13,26 +13,20 @@ namespace flexura::study {
 
 using terminal::number;
 
-std::vector<std::string> BodyChoice::overrides(const std::string& body) const {
-  if (exact) {
-    std::vector<std::string> words = {fmt::format("body.{}.fidelity=beam", body)};
-    if (elements > 0) words.push_back(fmt::format("body.{}.beam.elements={}", body, elements));
-    return words;
-  }
-  std::vector<std::string> words = {
-      "modes=", "max_frequency=", candidate.plain ? "attachments=none" : "attachments=used"};
+mbs::BodyModel BodyChoice::model() const {
+  if (exact) return {.fidelity = "beam", .elements = elements};
+  mbs::BodyModel out{.modes = mbs::BodyModel::kAllModes, .responses = !candidate.plain};
   if (rigid) {
-    words.push_back("fidelity=rigid");
+    out.fidelity = "rigid";
   } else if (candidate.modes == 0 && !stiffened) {
-    words.push_back("fidelity=static");
+    out.fidelity = "static";
   } else {
-    words.push_back(stiffened ? "fidelity=modal-stiffened" : "fidelity=modal");
+    out.fidelity = stiffened ? "modal-stiffened" : "modal";
     // With stiffening one eigenmode at least: response modes alone are quasi-static.
-    if (!candidate.all) words.push_back(fmt::format("modes={}", std::max(candidate.modes, 1)));
-    if (candidate.held) words.push_back("boundary=joint");
+    if (!candidate.all) out.modes = std::max(candidate.modes, 1);
+    if (candidate.held) out.boundary = "joint";
   }
-  for (std::string& word : words) word = fmt::format("body.{}.{}", body, word);
-  return words;
+  return out;
 }
 
 std::string BodyChoice::what(const std::string& body) const {

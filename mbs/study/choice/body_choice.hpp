@@ -20,8 +20,7 @@ struct BodyChoice {
   bool stiffening_counts = false;
   std::string reason;  ///< why
 
-  /// "body.rod.fidelity=modal" and the like.
-  std::vector<std::string> overrides(const std::string& body) const;
+  mbs::BodyModel model() const;
   /// "rod: modal, 4 of 22 modes".
   std::string what(const std::string& body) const;
   /// The same with the reason.

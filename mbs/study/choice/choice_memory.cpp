@@ -16,9 +16,9 @@ using Eigen::MatrixXd;
 
 std::string Chooser::key_of_choice() const {
   input::ContentHash hash;
-  hash.add_input_file(file_).add(fmt::format("choice 6 {:.17g}", accuracy_));
-  for (const std::string& word : given())
-    hash.add(word.starts_with("parameters.") ? word.substr(0, word.find('=')) : word);
+  as_given_.source->add_to(hash);
+  hash.add(fmt::format("choice 7 {:.17g}", accuracy_));
+  for (const std::string& word : mbs::words_of(of_integrator())) hash.add(word);
   std::set<std::string> files;
   for (const mbs::BodyDescription& body : as_given_.mechanism->description().bodies)
     if (!body.superelement.empty()) files.insert(body.superelement);
@@ -42,8 +42,7 @@ mbs::PreparationCache::Matrices Chooser::packed() const {
   return {bodies, outputs, MatrixXd{{span_, lost_at_}}};
 }
 
-bool Chooser::recall(const mbs::PreparationCache::Matrices& kept, const mbs::PreparedMechanism& rigid,
-                     const std::vector<std::string>& overrides) {
+bool Chooser::recall(const mbs::PreparationCache::Matrices& kept, const mbs::PreparedMechanism& rigid) {
   if (kept.size() != 3 || kept[0].rows() != static_cast<Index>(choices_.size()) || kept[0].cols() != 14 ||
       kept[1].cols() != 3 || kept[2].size() != 2)
     return false;
@@ -67,8 +66,7 @@ bool Chooser::recall(const mbs::PreparationCache::Matrices& kept, const mbs::Pre
     c.reason = "as an earlier run with other parameters has chosen (kept in the cache)";
     if (is(row(9))) without_influence_.insert(name);
   }
-  full_ = FullModel::make(rigid, file_, overrides,
-                          {.stiffened = {}, .rigid = without_influence_, .own_frames = true});
+  full_ = FullModel::make(rigid, {.stiffened = {}, .rigid = without_influence_, .own_frames = true});
   if (!full_) return kept[1].rows() == 0;
   sizes_.outputs.clear();
   judged_outputs(rigid, full_->mechanism(), sizes_.outputs);

@@ -23,10 +23,9 @@ bool is_to_be_chosen(const mbs::PreparedMechanism& run) {
                                                        [&](const auto& body) { return is_open(run, body); });
 }
 
-ChosenRun run_within(const mbs::PreparedMechanism& given, const std::filesystem::path& file,
-                     const std::vector<std::string>& overrides, const mbs::RunCallbacks& callbacks,
+ChosenRun run_within(const mbs::PreparedMechanism& given, const mbs::RunCallbacks& callbacks,
                      bool integrator) {
-  return Chooser(given, file, overrides, callbacks, integrator).run();
+  return Chooser(given, callbacks, integrator).run();
 }
 
 }  // namespace flexura::study

@@ -1,7 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,8 +43,7 @@ struct RowOfRun {
 
 struct ChosenRun {
   mbs::PreparedMechanism prepared;
-  std::vector<std::string> overrides;  ///< it was prepared with
-  std::vector<std::string> set;        ///< keys that give the same run without a choice
+  std::vector<std::string> set;  ///< keys that give the same run without a choice
   mbs::RunResult result;
   std::vector<RowOfRun> rows;  ///< what the callback `row` would have been given
   bool has_estimate = false;
@@ -62,11 +60,9 @@ struct ChosenRun {
 /// (solver.accuracy) and a superelement has no fidelity of its own.
 bool is_to_be_chosen(const mbs::PreparedMechanism& run);
 
-/// Runs it: `given` is the mechanism as its file and the overrides describe it.  With solver.accuracy the
-/// tolerance is chosen, too; without it the accuracy is 1 %.  `integrator`: its share is told as well.  Throws what
-/// prepare() throws.
-ChosenRun run_within(const mbs::PreparedMechanism& given, const std::filesystem::path& file,
-                     const std::vector<std::string>& overrides, const mbs::RunCallbacks& callbacks,
+/// Runs it: `given` is the mechanism as its source describes it.  With solver.accuracy the tolerance is chosen, too; without
+/// it the accuracy is 1 %.  `integrator`: its share is told as well.  Throws what prepare() throws.
+ChosenRun run_within(const mbs::PreparedMechanism& given, const mbs::RunCallbacks& callbacks,
                      bool integrator = true);
 
 }  // namespace flexura::study

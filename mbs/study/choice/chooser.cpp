@@ -41,21 +41,14 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
-Chooser::Chooser(const mbs::PreparedMechanism& given, const std::filesystem::path& file,
-                 const std::vector<std::string>& overrides, const mbs::RunCallbacks& callbacks,
-                 bool integrator)
+Chooser::Chooser(const mbs::PreparedMechanism& given, const mbs::RunCallbacks& callbacks, bool integrator)
     : accuracy_(accuracy_of(given) > 0.0 ? accuracy_of(given) : kUsualAccuracy),
       as_given_(given),
-      file_(file),
-      given_(overrides),
       callbacks_(callbacks),
       tells_integrator_(integrator) {
   for (const mbs::BodyDescription& body : given.mechanism->description().bodies)
     if (is_open(given, body)) choices_[body.name].is_beam = body.of_beam != nullptr;
-  if (accuracy_of(given) > 0.0) {
-    tolerance_.emplace(accuracy_, given);
-    given_.push_back(fmt::format("solver.absolute_factor={}", kAbsoluteFactor));
-  }
+  if (accuracy_of(given) > 0.0) tolerance_.emplace(accuracy_, given);
 }
 
 ChosenRun Chooser::run() {
@@ -65,21 +58,21 @@ ChosenRun Chooser::run() {
   // A loop may close, or a drive move, by deformation alone.
   std::optional<mbs::PreparedMechanism> rigid;
   try {
-    rigid.emplace(prepared(overrides()));
+    rigid.emplace(prepared());
   } catch (const input::InputError& error) {
     if (choices_.empty()) throw;
     keep_all_because(error.what());
-    rigid.emplace(prepared(overrides()));
+    rigid.emplace(prepared());
   }
   const bool can_be_rigid =
       std::ranges::all_of(choices_, [](const auto& entry) { return entry.second.rigid; });
-  ChosenRun out{std::move(*rigid), overrides(), {}, {}, {}, false, {}, {}, {}, {}, 0, 0.0, 0.0};
+  ChosenRun out{std::move(*rigid), {}, {}, {}, false, {}, {}, {}, {}, 0, 0.0, 0.0};
   // A name that nothing has is refused before the run.
   if (choices_.empty()) mbs::select_quantities(*out.prepared.mechanism, out.prepared.file.outputs);
   bool is_screened = false;
   const auto look = [&] {
     is_screened = true;
-    leave_out(out.prepared, out.overrides);
+    leave_out(out.prepared);
     screen(out);
     const bool ended = out.result.complete || out.result.stopped_as_told || lost_at_ >= 0.0;
     if (!ended && !choices_.empty() && !is_interrupted())
@@ -92,7 +85,7 @@ ChosenRun Chooser::run() {
     const auto kept = as_given_.cache && !choices_.empty()
                           ? as_given_.cache->get("choice", key_of_choice(), look)
                           : std::make_shared<const mbs::PreparationCache::Matrices>(look());
-    if (!is_screened && !recall(*kept, out.prepared, out.overrides)) {
+    if (!is_screened && !recall(*kept, out.prepared)) {
       for (auto& [body, choice] : choices_) choice = {.is_beam = choice.is_beam};
       without_influence_.clear();
       look();
@@ -125,37 +118,33 @@ ChosenRun Chooser::run() {
                                       without_influence_.size() == 1 ? "its" : "their"));
   out.reasons.insert(out.reasons.end(), restarts_.begin(), restarts_.end());
   out.restarts = static_cast<int>(restarts_.size());
-  out.set = keys_of(out.overrides);
+  out.set = keys();
   if (tolerance_) out.reasons.push_back(tolerance_->text());
   return out;
 }
 
-mbs::PreparedMechanism Chooser::prepared(const std::vector<std::string>& words) const {
-  return mbs::prepare(file_, words, {}, as_given_.cache);
+mbs::PreparedMechanism Chooser::prepared() const {
+  return mbs::prepare(as_given_.source, choice(), {}, as_given_.cache);
 }
 
 // What was given, with the present tolerance.
-std::vector<std::string> Chooser::given() const {
-  std::vector<std::string> out = given_;
-  if (tolerance_) out.insert(out.end() - 1, tolerance_->word());  // before the absolute part
+mbs::ModelChoice Chooser::of_integrator() const {
+  mbs::ModelChoice out = as_given_.choice;
+  if (!tolerance_) return out;
+  out.tolerance = tolerance_->value();
+  out.absolute_factor = kAbsoluteFactor;
   return out;
 }
 
-std::vector<std::string> Chooser::overrides() const {
-  std::vector<std::string> out = given();
-  for (const auto& [body, choice] : choices_) {
-    const auto words = choice.overrides(body);
-    out.insert(out.end(), words.begin(), words.end());
-  }
+mbs::ModelChoice Chooser::choice() const {
+  mbs::ModelChoice out = of_integrator();
+  for (const auto& [body, choice] : choices_) out.bodies[body] = choice.model();
   return out;
 }
 
-std::vector<std::string> Chooser::overrides_of_exact() const {
-  std::vector<std::string> out;
-  for (const std::string& body : exact()) {
-    const auto words = choices_.at(body).overrides(body);
-    out.insert(out.end(), words.begin(), words.end());
-  }
+mbs::ModelChoice Chooser::choice_of_exact() const {
+  mbs::ModelChoice out = of_integrator();
+  for (const std::string& body : exact()) out.bodies[body] = choices_.at(body).model();
   return out;
 }
 
@@ -168,22 +157,21 @@ std::set<std::string> Chooser::exact() const {
 }
 
 // Bodies on whose deformation no output depends that is asked for.
-void Chooser::leave_out(const mbs::PreparedMechanism& rigid, const std::vector<std::string>& overrides) {
+void Chooser::leave_out(const mbs::PreparedMechanism& rigid) {
   if (choices_.size() < 2) return;
   std::set<std::string> open;
   for (const auto& [body, choice] : choices_) open.insert(body);
-  without_influence_ = bodies_without_influence(rigid, file_, overrides, std::move(open));
+  without_influence_ = bodies_without_influence(rigid, std::move(open));
 }
 
 // The run with the bodies rigid that are to be chosen; `out` must outlive the screening.
 void Chooser::screen(ChosenRun& out) {
   for (const mbs::OutputInfo& info : out.prepared.mechanism->quantities()) of_rigid_.insert(info.name);
   // Where nothing is to be chosen but the tolerance, the shadows are those of any run.
-  const auto shadows = choices_.empty() ? Shadows::make(out.prepared, file_, out.overrides) : nullptr;
+  const auto shadows = choices_.empty() ? Shadows::make(out.prepared) : nullptr;
   if (!choices_.empty()) {
-    full_ = FullModel::make(out.prepared, file_, out.overrides,
-                            {.stiffened = {}, .rigid = without_influence_, .own_frames = true});
-    if (full_) screening_.emplace(out.prepared, *full_, file_, out.overrides);
+    full_ = FullModel::make(out.prepared, {.stiffened = {}, .rigid = without_influence_, .own_frames = true});
+    if (full_) screening_.emplace(out.prepared, *full_);
   }
   mbs::RunCallbacks mine = callbacks_;
   const mbs::SolverOptions& o = out.prepared.options;
@@ -359,18 +347,21 @@ void Chooser::keep_all_of(const std::string& body, int available, const std::str
   choice.reason = why;
 }
 
-// The choice without the wish for one.
-std::vector<std::string> Chooser::keys_of(std::vector<std::string> overrides) const {
+// The choice without the wish for one, as keys of a file.
+std::vector<std::string> Chooser::keys() const {
+  std::vector<std::string> out = as_given_.source->words();
   const auto wishes =
-      std::erase_if(overrides, [](const std::string& word) { return word.starts_with("solver.accuracy="); });
-  if (accuracy_of(as_given_) > 0.0 && wishes == 0) overrides.push_back("solver.accuracy=");
+      std::erase_if(out, [](const std::string& word) { return word.starts_with("solver.accuracy="); });
+  const std::vector<std::string> chosen = mbs::words_of(choice());
+  out.insert(out.end(), chosen.begin(), chosen.end());
+  if (accuracy_of(as_given_) > 0.0 && wishes == 0) out.push_back("solver.accuracy=");
   // The last word on a key counts.
   const auto key = [](const std::string& word) { return word.substr(0, word.find('=')); };
-  for (std::size_t i = overrides.size(); i-- > 0;)
-    if (std::any_of(overrides.begin() + static_cast<std::ptrdiff_t>(i) + 1, overrides.end(),
-                    [&](const std::string& later) { return key(later) == key(overrides[i]); }))
-      overrides.erase(overrides.begin() + static_cast<std::ptrdiff_t>(i));
-  return overrides;
+  for (std::size_t i = out.size(); i-- > 0;)
+    if (std::any_of(out.begin() + static_cast<std::ptrdiff_t>(i) + 1, out.end(),
+                    [&](const std::string& later) { return key(later) == key(out[i]); }))
+      out.erase(out.begin() + static_cast<std::ptrdiff_t>(i));
+  return out;
 }
 
 // Stress, say, that a rigid body has none of.

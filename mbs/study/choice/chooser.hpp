@@ -1,7 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -31,8 +30,7 @@ inline constexpr double kShareOfModes = 0.5;
 /// with more where it has to, in chosen_run.cpp; what a later run takes over in choice_memory.cpp.
 class Chooser {
  public:
-  Chooser(const mbs::PreparedMechanism& given, const std::filesystem::path& file,
-          const std::vector<std::string>& overrides, const mbs::RunCallbacks& callbacks, bool integrator);
+  Chooser(const mbs::PreparedMechanism& given, const mbs::RunCallbacks& callbacks, bool integrator);
 
   ChosenRun run();
 
@@ -47,15 +45,15 @@ class Chooser {
     bool is_there = false;
   };
 
-  mbs::PreparedMechanism prepared(const std::vector<std::string>& words) const;
-  std::vector<std::string> given() const;
-  std::vector<std::string> overrides() const;
-  std::vector<std::string> overrides_of_exact() const;
+  mbs::PreparedMechanism prepared() const;
+  mbs::ModelChoice of_integrator() const;
+  mbs::ModelChoice choice() const;
+  mbs::ModelChoice choice_of_exact() const;
   std::set<std::string> exact() const;
   void make_full(const mbs::PreparedMechanism& screened, const std::vector<std::string>& stiffened);
   void take_sizes(const mbs::PreparedMechanism& run);
-  std::vector<std::string> keys_of(std::vector<std::string> overrides) const;
-  void leave_out(const mbs::PreparedMechanism& rigid, const std::vector<std::string>& overrides);
+  std::vector<std::string> keys() const;
+  void leave_out(const mbs::PreparedMechanism& rigid);
   void screen(ChosenRun& out);
   void choose();
   void keep_all();
@@ -72,8 +70,7 @@ class Chooser {
   // choice_memory.cpp
   std::string key_of_choice() const;
   mbs::PreparationCache::Matrices packed() const;
-  bool recall(const mbs::PreparationCache::Matrices& kept, const mbs::PreparedMechanism& rigid,
-              const std::vector<std::string>& overrides);
+  bool recall(const mbs::PreparationCache::Matrices& kept, const mbs::PreparedMechanism& rigid);
 
   ChosenRun simulate(const mbs::PreparedMechanism& screened);
   void refine_beams(ChosenRun& out);
@@ -89,8 +86,6 @@ class Chooser {
 
   double accuracy_;
   const mbs::PreparedMechanism& as_given_;
-  std::filesystem::path file_;
-  std::vector<std::string> given_;
   const mbs::RunCallbacks& callbacks_;
   bool tells_integrator_;
   std::optional<ToleranceChoice> tolerance_;  // where an accuracy is asked for

@@ -51,12 +51,11 @@ void add(mbs::StepCounts& counts, const mbs::StepCounts& more) {
 
 // The shadows' model of the choice: beams that are exact are as they are.
 void Chooser::make_full(const mbs::PreparedMechanism& screened, const std::vector<std::string>& stiffened) {
-  std::vector<std::string> words = given();
-  const auto beams = overrides_of_exact();
-  words.insert(words.end(), beams.begin(), beams.end());
-  full_ = FullModel::make(
-      screened, file_, words,
-      {.stiffened = stiffened, .rigid = without_influence_, .as_given = exact(), .own_frames = true});
+  full_ = FullModel::make(screened, {.stiffened = stiffened,
+                                     .rigid = without_influence_,
+                                     .as_given = exact(),
+                                     .besides = choice_of_exact(),
+                                     .own_frames = true});
   if (full_ && !exact().empty()) take_sizes(screened);
 }
 
@@ -79,7 +78,7 @@ ChosenRun Chooser::simulate(const mbs::PreparedMechanism& screened) {
   screening_.reset();
   const std::vector<std::string> stiffened = judged_with_stiffening();
   if (!stiffened.empty() || !exact().empty()) make_full(screened, stiffened);
-  ChosenRun out{prepared(overrides()), overrides(), {}, {}, {}, false, {}, {}, {}, {}, 0, 0.0, 0.0};
+  ChosenRun out{prepared(), {}, {}, {}, false, {}, {}, {}, {}, 0, 0.0, 0.0};
   const double start_time = out.prepared.options.start_time;
   mbs::State state = out.prepared.state;
   VectorXd v_dot = out.prepared.v_dot;
@@ -148,7 +147,7 @@ void Chooser::refine_beams(ChosenRun& out) {
   if (accuracy_of(as_given_) <= 0.0 || !tells_integrator_) return;
   ElementsCheck::KnownRuns known;
   for (int doublings = 0; out.result.complete; ++doublings) {
-    const auto check = ElementsCheck::make(out.prepared, file_, out.overrides, &known);
+    const auto check = ElementsCheck::make(out.prepared, &known);
     if (!check) return;
     for (const RowOfRun& row : out.rows) check->take(row.state, row.v_dot);
     out.elements = check->estimate(callbacks_, out.result.wall_time,
@@ -179,8 +178,7 @@ void Chooser::refine_beams(ChosenRun& out) {
 std::vector<std::string> Chooser::run_until_over(ChosenRun& out, const mbs::State& state,
                                                  const VectorXd& v_dot, const Good& start, Good& good,
                                                  bool may_stop) {
-  const auto shadows =
-      full_ ? Shadows::make(out.prepared, *full_) : Shadows::make(out.prepared, file_, out.overrides);
+  const auto shadows = full_ ? Shadows::make(out.prepared, *full_) : Shadows::make(out.prepared);
   VectorXd spent;
   if (shadows) spent = VectorXd::Zero(static_cast<Eigen::Index>(shadows->outputs().size()));
   if (start.is_there) spent = start.squares;
@@ -328,8 +326,7 @@ std::vector<std::string> Chooser::worst_choices(const TruncationEstimate& estima
 
 // The mechanism as it is chosen now, in the state of `start`, with the rows until there.
 void Chooser::go_on(ChosenRun& out, const Good& start, mbs::State& state, VectorXd& v_dot) {
-  out.overrides = overrides();
-  mbs::PreparedMechanism refined = prepared(out.overrides);
+  mbs::PreparedMechanism refined = prepared();
   state = refined.state;
   v_dot = refined.v_dot;
   if (start.is_there) {

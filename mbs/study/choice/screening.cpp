@@ -56,12 +56,9 @@ MatrixXd beside(Index n, const MatrixXd& responses, const VectorXd& omega2) {
 
 }  // namespace
 
-Screening::Screening(const mbs::PreparedMechanism& run, FullModel& full, const std::filesystem::path& file,
-                     std::vector<std::string> overrides)
+Screening::Screening(const mbs::PreparedMechanism& run, FullModel& full)
     : run_(run),
       full_(full),
-      file_(file),
-      overrides_(std::move(overrides)),
       shadows_(Shadows::make(run, full, HeldRows::kOfChoice, kRowsCompared)),
       range_(full.mechanism(), run.options.end_time - run.options.start_time) {}
 
@@ -121,12 +118,10 @@ const ModalBlock& Screening::block_of(const std::string& body) const {
 }
 
 std::optional<Screening::Basis> Screening::basis_of(const std::string& body,
-                                                    const std::vector<std::string>& words) const {
+                                                    const mbs::BodyModel& model) const {
   const ModalBlock& block = block_of(body);
-  std::vector<std::string> overrides = overrides_;
-  for (const std::string& word : words) overrides.push_back(fmt::format("{}.{}", table_of(body), word));
   try {
-    mbs::MechanismFile file = mbs::read_mechanism(file_, mbs::solver_schema(), overrides, run_.cache.get());
+    mbs::MechanismFile file = run_.source->read(run_.choice.with({.bodies = {{body, model}}}), *run_.cache);
     const mbs::Mechanism mechanism(std::move(file.description));
     const auto index = static_cast<std::size_t>(&block - full_.blocks().data());
     const mbs::FlexibleBody* const deforms = mechanism.deforming(block.body);
@@ -140,7 +135,7 @@ std::optional<Screening::Basis> Screening::basis_of(const std::string& body,
 const MatrixXd& Screening::responses_of(const std::string& body) {
   const auto [found, is_new] = responses_.try_emplace(body);
   if (is_new) {
-    const auto basis = basis_of(body, {"fidelity=static", "coupling=full"});
+    const auto basis = basis_of(body, {.fidelity = "static", .coupling = "full"});
     found->second = basis ? basis->S : MatrixXd(block_of(body).m, 0);
   }
   return found->second;
@@ -152,8 +147,11 @@ const std::optional<Screening::Basis>& Screening::held_of(const std::string& bod
   if (is_new) {
     const ModalBlock& block = block_of(body);
     const std::vector<int> ladder = ladder_alone(block, 0, static_cast<int>(block.m));
-    found->second = basis_of(body, {"fidelity=modal", "boundary=joint", "coupling=full", "attachments=none",
-                                    "max_frequency=", fmt::format("modes={}", ladder.back())});
+    found->second = basis_of(body, {.fidelity = "modal",
+                                    .modes = ladder.back(),
+                                    .responses = false,
+                                    .boundary = "joint",
+                                    .coupling = "full"});
   }
   return found->second;
 }
@@ -382,8 +380,7 @@ void Screening::change_of_stiffness(const ModalBlock& block, Screened& out) {
   const auto& body = full_.mechanism().description().bodies[static_cast<std::size_t>(block.body)];
   out.has_stiffening_terms = has_stiffening_terms(body);
   if (!out.has_stiffening_terms) return;
-  const auto stiffened =
-      FullModel::make(run_, file_, overrides_, {.stiffened = {block.name}, .rigid = {}, .own_frames = true});
+  const auto stiffened = FullModel::make(run_, {.stiffened = {block.name}, .rigid = {}, .own_frames = true});
   const VectorXd scale = stiffness_of(full_, block).cwiseSqrt().cwiseInverse();
   LinearisedRow with, without;
   const std::size_t every = std::max<std::size_t>(1, rows_.size() / kRowsForStiffness);

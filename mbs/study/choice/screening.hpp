@@ -1,7 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -52,10 +51,8 @@ struct Candidate {
 
 class Screening {
  public:
-  /// `run` has every superelement of `bodies` rigid; `full` is its full model, `overrides` what it was
-  /// prepared with.
-  Screening(const mbs::PreparedMechanism& run, FullModel& full, const std::filesystem::path& file,
-            std::vector<std::string> overrides);
+  /// `run` has every open body rigid; `full` is its full model.
+  Screening(const mbs::PreparedMechanism& run, FullModel& full);
 
   /// For what happens between rows.
   void ask_for_looks(mbs::RunCallbacks& callbacks);
@@ -100,11 +97,11 @@ class Screening {
   double time_of(std::size_t row, std::size_t every) const;
   void keep(bool is_look);
   const ModalBlock& block_of(const std::string& body) const;
-  // Deformations that the body has with these words in its table, and how they are damped there [1/s].
+  // Deformations that the body has with this model, and how they are damped there [1/s].
   struct Basis {
     Eigen::MatrixXd S, damping;
   };
-  std::optional<Basis> basis_of(const std::string& body, const std::vector<std::string>& words) const;
+  std::optional<Basis> basis_of(const std::string& body, const mbs::BodyModel& model) const;
   const Eigen::MatrixXd& responses_of(const std::string& body);
   const std::optional<Basis>& held_of(const std::string& body);
   std::vector<int> ladder_beside(const ModalBlock& block, const Eigen::MatrixXd& responses) const;
@@ -123,8 +120,6 @@ class Screening {
 
   const mbs::PreparedMechanism& run_;
   FullModel& full_;
-  std::filesystem::path file_;
-  std::vector<std::string> overrides_;
   std::unique_ptr<Shadows> shadows_;
   mbs::LinearRange range_;
   std::vector<ScreenedRow> rows_;

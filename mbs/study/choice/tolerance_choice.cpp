@@ -41,10 +41,6 @@ ToleranceChoice::ToleranceChoice(double accuracy, const mbs::PreparedMechanism& 
   value_ = !is_safe_ ? std::clamp(kLoose * accuracy, kFinest, kLoosest) : safe_;
 }
 
-std::string ToleranceChoice::word() const {
-  return fmt::format("solver.tolerance={:.3g}", value_);
-}
-
 bool ToleranceChoice::is_too_much(double spent) const {
   return is_watched() && spent > kShare * accuracy_;
 }

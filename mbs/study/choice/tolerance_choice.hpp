@@ -24,8 +24,6 @@ class ToleranceChoice {
   ToleranceChoice(double accuracy, const mbs::PreparedMechanism& run);
 
   double value() const { return value_; }
-  /// As it is told: "solver.tolerance=3e-05".
-  std::string word() const;
   /// The run's integrator is to be watched and may be asked for more.
   bool is_watched() const { return !is_safe_; }
   /// A run that has come to `spent` (GlobalError::spent) has lost too much.

@@ -48,24 +48,17 @@ double observed_order(const std::array<double, 3>& h, double D_12, double D_23) 
   return low;
 }
 
-std::unique_ptr<ElementsCheck> ElementsCheck::make(const mbs::PreparedMechanism& run,
-                                                   const std::filesystem::path& file,
-                                                   const std::vector<std::string>& overrides,
-                                                   KnownRuns* known) {
+std::unique_ptr<ElementsCheck> ElementsCheck::make(const mbs::PreparedMechanism& run, KnownRuns* known) {
   std::vector<Beam> beams;
   for (const mbs::BlindSpot& spot : run.file.blind_spots)
-    if (!spot.key.empty()) beams.push_back({spot.name, spot.key, spot.elements});
+    if (!spot.key.empty()) beams.push_back({spot.name, spot.elements});
   if (beams.empty()) return nullptr;
-  std::unique_ptr<ElementsCheck> check(new ElementsCheck(run, file, overrides, std::move(beams), known));
+  std::unique_ptr<ElementsCheck> check(new ElementsCheck(run, std::move(beams), known));
   return check->which_.empty() ? nullptr : std::move(check);
 }
 
-ElementsCheck::ElementsCheck(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
-                             const std::vector<std::string>& overrides, std::vector<Beam> beams,
-                             KnownRuns* known)
+ElementsCheck::ElementsCheck(const mbs::PreparedMechanism& run, std::vector<Beam> beams, KnownRuns* known)
     : run_(run),
-      file_(file),
-      overrides_(overrides),
       beams_(std::move(beams)),
       own_(known ? nullptr : std::make_unique<KnownRuns>()),
       known_(known ? known : own_.get()),
@@ -84,10 +77,9 @@ const OutputRows& ElementsCheck::run_with(const std::vector<int>& elements,
   if (const auto found = known_->find(elements);
       found != known_->end() && found->second.outputs() == which_.size())
     return found->second;
-  std::vector<std::string> words = overrides_;
-  for (std::size_t i = 0; i < beams_.size(); ++i)
-    words.push_back(fmt::format("{}={}", beams_[i].key, elements[i]));
-  const mbs::PreparedMechanism other = mbs::prepare(file_, words, {}, run_.cache);
+  mbs::ModelChoice choice = run_.choice;
+  for (std::size_t i = 0; i < beams_.size(); ++i) choice.bodies[beams_[i].name].elements = elements[i];
+  const mbs::PreparedMechanism other = mbs::prepare(run_.source, choice, {}, run_.cache);
   const auto infos = other.mechanism->quantities();
   std::vector<int> which;
   for (const OutputEstimate& output : outputs_) {

@@ -44,13 +44,9 @@ class ElementsCheck {
   /// Outputs of runs by the numbers of elements of their beams: what a check has seen a later one need not run again.
   using KnownRuns = std::map<std::vector<int>, OutputRows>;
 
-  /// Null where no beam has elements whose number a run can set, or nothing is judged.  `run` outlives it; `file` and
-  /// `overrides` are those it was prepared with; `known`, which may be null and outlives it, is of checks of runs that
+  /// Null where no beam has elements whose number a run can set, or nothing is judged.  `run` outlives it; `known`, which may be null and outlives it, is of checks of runs that
   /// differ in the numbers of elements alone.
-  static std::unique_ptr<ElementsCheck> make(const mbs::PreparedMechanism& run,
-                                             const std::filesystem::path& file,
-                                             const std::vector<std::string>& overrides,
-                                             KnownRuns* known = nullptr);
+  static std::unique_ptr<ElementsCheck> make(const mbs::PreparedMechanism& run, KnownRuns* known = nullptr);
 
   /// The next row of the run; 800 at most are compared.
   void take(const mbs::State& s, const Eigen::VectorXd& v_dot);
@@ -64,11 +60,10 @@ class ElementsCheck {
 
  private:
   struct Beam {
-    std::string name, key;
+    std::string name;
     int elements;
   };
-  ElementsCheck(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
-                const std::vector<std::string>& overrides, std::vector<Beam> beams, KnownRuns* known);
+  ElementsCheck(const mbs::PreparedMechanism& run, std::vector<Beam> beams, KnownRuns* known);
   /// By two runs with fewer elements of those beams that have many, or with more of those that have few.
   void judge(bool few, const mbs::RunCallbacks& callbacks, ElementsEstimate& out);
   /// The outputs of a run with these numbers of elements.  Throws std::runtime_error where it does not end.
@@ -76,8 +71,6 @@ class ElementsCheck {
                              double& wall);
 
   const mbs::PreparedMechanism& run_;
-  std::filesystem::path file_;
-  std::vector<std::string> overrides_;
   std::vector<Beam> beams_;
   std::unique_ptr<KnownRuns> own_;
   KnownRuns* known_;

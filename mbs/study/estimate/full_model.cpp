@@ -63,13 +63,6 @@ bool can_deform(const mbs::BodyDescription& body) {
   return deformations_of(body) > 0;
 }
 
-std::string table_of(const std::string& body) {
-  const auto dot = body.find('.');
-  return dot == std::string::npos
-             ? "body." + body
-             : fmt::format("subsystem.{}.{}", body.substr(0, dot), table_of(body.substr(dot + 1)));
-}
-
 bool has_stiffening_terms(const mbs::BodyDescription& body) {
   if (body.of_beam) return !body.follows_surface && !body.is_loaded_by_case;
   const superelement::Contents file = superelement::contents(body.superelement);
@@ -94,32 +87,30 @@ FullModel::FullModel(std::unique_ptr<mbs::Mechanism> mechanism) : mechanism_(std
   }
 }
 
-std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run,
-                                           const std::filesystem::path& file,
-                                           const std::vector<std::string>& overrides,
-                                           const FullScope& scope) {
-  std::vector<std::string> full = overrides;
+std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run, const FullScope& scope) {
+  mbs::ModelChoice full;
   bool any = false;
   for (const mbs::BodyDescription& body : run.mechanism->description().bodies) {
     if (!can_deform(body) || scope.as_given.contains(body.name)) continue;
-    const auto say = [&](const std::string& words) {
-      full.push_back(fmt::format("{}.{}", table_of(body.name), words));
-    };
-    for (const char* const text : {"coupling=full", "modes=", "max_frequency="}) say(text);
-    if (!scope.own_frames)
-      for (const char* const text : {"frame=mean_axis", "boundary=free"}) say(text);
+    mbs::BodyModel& model = full.bodies[body.name];
+    model.coupling = "full";
+    model.modes = mbs::BodyModel::kAllModes;
+    if (!scope.own_frames) {
+      model.frame = "mean_axis";
+      model.boundary = "free";
+    }
     if (scope.rigid.contains(body.name)) {
-      say("fidelity=rigid");
+      model.fidelity = "rigid";
       continue;
     }
     any = true;
-    say(std::ranges::find(scope.stiffened, body.name) != scope.stiffened.end() ? "fidelity=modal-stiffened"
-                                                                               : "fidelity=modal");
-    if (const int most = deformations_of(body); scope.modes > 0 && scope.modes < most)
-      say(fmt::format("modes={}", scope.modes));
+    model.fidelity =
+        std::ranges::find(scope.stiffened, body.name) != scope.stiffened.end() ? "modal-stiffened" : "modal";
+    if (scope.modes > 0 && scope.modes < deformations_of(body)) model.modes = scope.modes;
   }
   if (!any) return nullptr;
-  mbs::MechanismFile all = mbs::read_mechanism(file, mbs::solver_schema(), full, run.cache.get());
+  auto cache = run.cache ? run.cache : std::make_shared<mbs::PreparationCache>();
+  mbs::MechanismFile all = run.source->read(run.choice.with(scope.besides).with(full), *cache);
   std::vector<std::pair<int, std::string>> samples;
   int first = 0;  // controls' states are the first
   for (auto& control : all.description.controls) {
@@ -131,7 +122,7 @@ std::unique_ptr<FullModel> FullModel::make(const mbs::PreparedMechanism& run,
   }
   std::unique_ptr<FullModel> out(new FullModel(std::make_unique<mbs::Mechanism>(std::move(all.description))));
   out->samples_ = std::move(samples);
-  out->cache_ = run.cache ? run.cache : std::make_shared<mbs::PreparationCache>();
+  out->cache_ = std::move(cache);
   out->take_start(run);
   return out;
 }

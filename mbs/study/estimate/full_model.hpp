@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <set>
@@ -32,9 +31,6 @@ int deformations_of(const mbs::BodyDescription& body);
 /// carries a rigid body's inertia and picture.
 bool can_deform(const mbs::BodyDescription& body);
 
-/// The body's table for overrides: "body.rod", of a subsystem's "left.rod" "subsystem.left.body.rod".
-std::string table_of(const std::string& body);
-
 /// The superelement's file holds geometric stiffening terms for what loads the body: no marker follows nodes
 /// of its surface, and no force puts a load case on it whose terms it lacks.
 bool has_stiffening_terms(const mbs::BodyDescription& body);
@@ -43,7 +39,8 @@ bool has_stiffening_terms(const mbs::BodyDescription& body);
 struct FullScope {
   std::vector<std::string> stiffened;  ///< bodies that are taken with geometric stiffening
   std::set<std::string> rigid;         ///< bodies that are taken without deformation
-  std::set<std::string> as_given;      ///< bodies that are taken as the overrides say
+  std::set<std::string> as_given;      ///< bodies that are taken as the choice says
+  mbs::ModelChoice besides;            ///< that the run has not
   int modes = 0;                       ///< no more than so many of each body; 0: all
   /// The file's own frames and boundary conditions instead of mean axes and free modes: a damping ratio is of the modes they
   /// make, so that what nothing was left out of is the same body.
@@ -52,11 +49,8 @@ struct FullScope {
 
 class FullModel {
  public:
-  /// `overrides` are those the run was prepared with.  Null where the mechanism has no superelement that deforms.  Throws
-  /// what read_mechanism() throws.
-  static std::unique_ptr<FullModel> make(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
-                                         const std::vector<std::string>& overrides,
-                                         const FullScope& scope = {});
+  /// Null where the mechanism has no superelement that deforms.  Throws what ModelSource::read() throws.
+  static std::unique_ptr<FullModel> make(const mbs::PreparedMechanism& run, const FullScope& scope = {});
 
   /// The run's state, of joints alone: deformations at rest.
   mbs::State state_of(const mbs::PreparedMechanism& run) const;

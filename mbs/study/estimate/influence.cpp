@@ -310,13 +310,11 @@ std::set<std::string> bodies_of_influence(FullModel& full, const mbs::State& sta
 }
 
 std::set<std::string> bodies_without_influence(const mbs::PreparedMechanism& run,
-                                               const std::filesystem::path& file,
-                                               const std::vector<std::string>& overrides,
                                                std::set<std::string> bodies) {
   constexpr int kModesThatTell = 6;
   if (bodies.empty() || run.file.outputs.empty()) return {};
-  const auto few = FullModel::make(
-      run, file, overrides, {.stiffened = {}, .rigid = {}, .modes = kModesThatTell, .own_frames = true});
+  const auto few =
+      FullModel::make(run, {.stiffened = {}, .rigid = {}, .modes = kModesThatTell, .own_frames = true});
   if (!few) return {};
   std::vector<OutputEstimate> unused;
   for (const std::string& body : bodies_of_influence(

@@ -1,7 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
 #include <set>
 #include <string>
 #include <vector>
@@ -29,8 +28,6 @@ std::set<std::string> bodies_of_influence(FullModel& full, const mbs::State& sta
 /// Those of `bodies`, rigid in `run`, on whose deformation no output depends that the file asks for; asked of their lowest
 /// modes, which are enough to tell.  None where it asks for none by name.
 std::set<std::string> bodies_without_influence(const mbs::PreparedMechanism& run,
-                                               const std::filesystem::path& file,
-                                               const std::vector<std::string>& overrides,
                                                std::set<std::string> bodies);
 
 }  // namespace flexura::study

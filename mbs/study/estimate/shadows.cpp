@@ -184,8 +184,7 @@ void Shadows::Impl::compare(const mbs::State& at, const VectorXd& v_dot_at, doub
 Shadows::Shadows(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Shadows::~Shadows() = default;
 
-std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
-                                       const std::vector<std::string>& overrides) {
+std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run) {
   std::vector<std::string> stiffened;
   for (const mbs::BodyDescription& body : run.mechanism->description().bodies)
     if (body.is_reduced() && has_stiffening_terms(body)) stiffened.push_back(body.name);
@@ -195,11 +194,11 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, const 
   for (std::size_t b = 0; b < bodies.size(); ++b)
     if (can_deform(bodies[b]) && !run.mechanism->deforming(static_cast<int>(b))) rigid.insert(bodies[b].name);
   if (rigid.size() > 1)
-    rigid = bodies_without_influence(run, file, overrides, std::move(rigid));
+    rigid = bodies_without_influence(run, std::move(rigid));
   else
     rigid.clear();
   std::unique_ptr<FullModel> full =
-      FullModel::make(run, file, overrides, {.stiffened = stiffened, .rigid = rigid, .own_frames = true});
+      FullModel::make(run, {.stiffened = stiffened, .rigid = rigid, .own_frames = true});
   if (!full) return nullptr;
   auto shadows = make(run, *full);
   if (shadows) shadows->impl_->own = std::move(full);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -64,8 +63,7 @@ class Shadows {
  public:
   /// Null where the run has every deformation of its superelements, damped, coupled and stiffened as the full
   /// model, which takes all geometric stiffening that the superelements know.
-  static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, const std::filesystem::path& file,
-                                       const std::vector<std::string>& overrides);
+  static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run);
   /// The same with a full model that outlives it.  Outputs cost as much as all the rest of a row: they are compared at some
   /// `most_compared` rows, where the run has so many.
   static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run, FullModel& full,

@@ -96,7 +96,7 @@ Judged judge(const std::string& fidelity, int elements) {
   const test::Folder folder;
   const auto file = folder.write("bar.toml", bar(fidelity, elements));
   const mbs::PreparedMechanism p = mbs::prepare(file);
-  const auto check = ElementsCheck::make(p, file, {});
+  const auto check = ElementsCheck::make(p);
   Judged out;
   double squares = 0.0, sizes = 0.0;
   const int y = mbs::select_quantities(*p.mechanism, {"y"}).front();
@@ -167,7 +167,7 @@ TEST(ABeamForAnAccuracy, BendsInItsModesWhileThatIsLittle) {
   const test::Folder folder;
   const auto file = folder.write("bar.toml", bar("auto", 1));
   const std::vector<std::string> words = {"solver.accuracy=0.001"};
-  const ChosenRun chosen = run_within(mbs::prepare(file, words), file, words, {});
+  const ChosenRun chosen = run_within(mbs::prepare(file, words), {});
   ASSERT_TRUE(chosen.result.complete) << chosen.result.stopped_because;
   EXPECT_THAT(chosen.set, ::testing::Contains("body.bar.fidelity=modal"));
   EXPECT_LT(error_of_tip(chosen, exact_tip), 1e-3);
@@ -180,7 +180,7 @@ TEST(ElementsForAnAccuracy, AreAsManyAsItTakes) {
   // Twenty times its weight bends it by a third of its length.
   const std::vector<std::string> words = {"gravity=[0, -200, 0]", "solver.end_time=0.06",
                                           "solver.accuracy=0.002"};
-  const ChosenRun chosen = run_within(mbs::prepare(file, words), file, words, {});
+  const ChosenRun chosen = run_within(mbs::prepare(file, words), {});
   ASSERT_TRUE(chosen.result.complete) << chosen.result.stopped_because;
   EXPECT_THAT(chosen.set, ::testing::Contains("body.bar.fidelity=beam"));
   EXPECT_THAT(chosen.set, ::testing::Contains("body.bar.beam.elements=4"));

@@ -31,7 +31,7 @@ class ShadowsOfABar : public ::testing::Test {
   };
   Run run(const std::vector<std::string>& overrides) const {
     const mbs::PreparedMechanism p = mbs::prepare(file_, overrides);
-    const auto shadows = Shadows::make(p, file_, overrides);
+    const auto shadows = Shadows::make(p);
     Run out;
     out.values = rows_of_run(p, [&](const mbs::State& s, const Eigen::VectorXd& v_dot) {
       if (shadows) shadows->take(s, v_dot);
@@ -251,7 +251,7 @@ TEST_F(ShadowsOfABar, SeeTheVibrationWithWhichARunSetsOff) {
   const Run truth = run(fine);
   // What the rigid bar does is the same all along.
   const mbs::PreparedMechanism p = mbs::prepare(file_, coarse);
-  const auto shadows = Shadows::make(p, file_, coarse);
+  const auto shadows = Shadows::make(p);
   ASSERT_NE(shadows, nullptr);
   mbs::RunCallbacks callbacks;
   callbacks.row = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount&) {
