@@ -48,6 +48,12 @@ struct NodeMotion {
 
 struct DeformationTangents;
 
+/// An error that a law of deformation has by itself.
+struct LawError {
+  std::string kind;    ///< "modes": those it lacks; "elements": how many it has; "law": anything else
+  std::string remedy;  ///< how a user can judge it where no estimate does
+};
+
 class FlexibleBody {
  public:
   using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;
@@ -66,6 +72,10 @@ class FlexibleBody {
   };
 
   virtual ~FlexibleBody() = default;
+
+  /// What the law leaves out, for the errors that a run tells of itself: what no estimate looks at there is unknown.  Every law
+  /// answers; an exact one with none.
+  virtual std::vector<LawError> error_sources() const = 0;
 
   // ---- What it is.
   int m() const { return static_cast<int>(M_e_.rows()); }

@@ -58,6 +58,9 @@ class ModalBody final : public FlexibleBody {
     return report_;
   }  ///< modes kept, their frequencies [Hz]; of a superelement
 
+  std::vector<LawError> error_sources() const override {
+    return {{"modes", "a run of its superelement, added as a part, tells"}};
+  }
   bool is_linear() const override { return true; }
   bool has_geometric_stiffness() const override { return data_.second.has_value(); }
   const ModalData* modal() const override { return &data_; }

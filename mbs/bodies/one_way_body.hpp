@@ -19,6 +19,9 @@ class OneWayBody final : public FlexibleBody {
   explicit OneWayBody(ModalBody body)
       : FlexibleBody(body.mass(), body.nodes(), body.M_e()), body_(std::move(body)) {}
 
+  std::vector<LawError> error_sources() const override {
+    return {{"modes", "a run of its superelement, added as a part, tells"}};
+  }
   bool acts_back() const override { return false; }
   bool is_linear() const override { return true; }
   bool has_geometric_stiffness() const override { return body_.has_geometric_stiffness(); }

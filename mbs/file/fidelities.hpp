@@ -32,7 +32,8 @@ struct Fidelity {
   struct OfBeam {
     /// A chain of further bodies, or none.
     std::function<Segments(MechanismDescription& d, int body, const BeamPart& beam)> make;
-    bool has_elements = true;  ///< the number of elements decides how right it is
+    bool
+        has_elements;  ///< the number of elements decides how right it is; else it is judged as a superelement is
     BeamUse use = {};
   };
 

@@ -3,10 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include "mbs/library/part_source.hpp"
 #include "mbs/mechanism/description/body_faults.hpp"
+#include "mbs/superelement/file.hpp"
 
 namespace flexura::mbs {
 
@@ -53,7 +56,12 @@ MechanismBuilder::Marker MechanismBuilder::Body::marker_at(const std::string& in
                                                            const Pose& X_NP) const {
   MechanismDescription& d = builder_->d_;
   const BodyDescription& body = d.bodies[index_];
-  const int node = body.flexible ? body.flexible->find_node(interface) : -1;
+  int node = body.flexible ? body.flexible->find_node(interface) : -1;
+  if (const auto open = builder_->open_.find(index_); open != builder_->open_.end()) {
+    const auto& all = open->second.interfaces;
+    const auto found = std::ranges::find(all, interface, &std::pair<std::string, Vector3d>::first);
+    if (found != all.end()) node = static_cast<int>(found - all.begin());
+  }
   if (node < 0)
     throw std::invalid_argument(fmt::format(
         "body \"{}\" has no interface \"{}\"; name one of its superelement's", body.name, interface));
@@ -141,6 +149,33 @@ MechanismBuilder::Body MechanismBuilder::add(const std::string& name,
   if (!body)
     throw std::invalid_argument(fmt::format("body \"{}\" is nothing; make it before it is added", name));
   return add_body({.name = name, .flexible = std::move(body), .X_WB = std::move(X_WB)});
+}
+
+MechanismBuilder::Body MechanismBuilder::add(const std::string& name, const Part& part,
+                                             std::optional<Pose> X_WB) {
+  const auto se = superelement::read(part.superelement, {.matrices = false});
+  Open open{std::filesystem::absolute(part.superelement), {}, part.model, {}};
+  for (const superelement::Interface& i : se.interfaces) open.interfaces.emplace_back(i.name, i.p_BoN_B);
+  return add_open(name, std::move(open), std::move(X_WB));
+}
+
+MechanismBuilder::Body MechanismBuilder::add(const std::string& name, const Beam& beam,
+                                             std::optional<Pose> X_WB) {
+  beam.shape.R_BE();
+  return add_open(name, {{}, beam.shape, beam.model, beam.shape.stations()}, std::move(X_WB));
+}
+
+MechanismBuilder::Body MechanismBuilder::add_open(const std::string& name, Open open,
+                                                  std::optional<Pose> X_WB) {
+  Body body = add_body({.name = name, .X_WB = std::move(X_WB), .superelement = open.superelement.string()});
+  open_.emplace(body.index(), std::move(open));
+  return body;
+}
+
+Mechanism MechanismBuilder::build() const {
+  if (open_.empty()) return Mechanism(d_);
+  PreparationCache cache;
+  return Mechanism(PartSource(*this).read({}, cache).description);
 }
 
 MechanismBuilder::Body MechanismBuilder::add_body(BodyDescription body) {

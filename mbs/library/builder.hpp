@@ -2,6 +2,7 @@
 #pragma once
 
 #include <concepts>
+#include <filesystem>
 #include <initializer_list>
 #include <map>
 #include <memory>
@@ -12,7 +13,9 @@
 #include "mbs/bodies/modal_body.hpp"
 #include "mbs/formulas/expression.hpp"
 #include "mbs/library/same_layout.hpp"
+#include "mbs/mechanism/beam_part.hpp"
 #include "mbs/mechanism/mechanism.hpp"
+#include "mbs/solver/start/model_source.hpp"
 
 /// Mechanisms in C++, without a file:
 ///
@@ -36,6 +39,17 @@ struct RigidBody {
   double mass = 0.0;                    ///< [kg]
   Vector3d center = Vector3d::Zero();   ///< of mass [m]
   Matrix3d inertia = Matrix3d::Zero();  ///< about it [kg m^2]
+};
+
+/// A part whose model is chosen for an accuracy (mbs/study/library/run.hpp), or is that of `model`.
+struct Part {
+  std::filesystem::path superelement;  ///< a file that flexura reduce has made
+  BodyModel model = {};  ///< without a fidelity: chosen where an accuracy is asked for, else modal
+};
+/// The same of a beam.
+struct Beam {
+  BeamPart shape;
+  BodyModel model = {};
 };
 
 class MechanismBuilder {
@@ -104,6 +118,10 @@ class MechanismBuilder {
   /// file is refused for: masses, inertias and places that no body has.
   Body add(const std::string& name, const RigidBody& body, std::optional<Pose> X_WB = {});
   Body add(const std::string& name, const ModalBody& body, std::optional<Pose> X_WB = {});
+  /// Its interfaces are the superelement's.  Throws std::runtime_error for a file that is none.
+  Body add(const std::string& name, const Part& part, std::optional<Pose> X_WB = {});
+  /// Its interfaces are "root", "tip" and its points.  Throws std::invalid_argument for what is no beam.
+  Body add(const std::string& name, const Beam& beam, std::optional<Pose> X_WB = {});
   /// Any other law of deformation.
   Body add(const std::string& name, std::shared_ptr<const FlexibleBody> body, std::optional<Pose> X_WB = {});
 
@@ -144,7 +162,16 @@ class MechanismBuilder {
 
   const MechanismDescription& description() const { return d_; }
   /// Throws std::invalid_argument for a description that cannot move or stand.
-  Mechanism build() const { return Mechanism(d_); }
+  Mechanism build() const;
+
+  /// A body whose model is open.
+  struct Open {
+    std::filesystem::path superelement;
+    std::optional<BeamPart> beam;
+    BodyModel model;
+    std::vector<std::pair<std::string, Vector3d>> interfaces;
+  };
+  const std::map<int, Open>& open() const { return open_; }
 
  private:
   // What handles stand for.  Throw std::invalid_argument for one of another mechanism, as far as that shows.
@@ -177,7 +204,10 @@ class MechanismBuilder {
   void take_signal(const std::string& name);
   void require_new(const std::string& name, const char* what);
 
+  Body add_open(const std::string& name, Open open, std::optional<Pose> X_WB);
+
   MechanismDescription d_;
+  std::map<int, Open> open_;
   std::map<std::string, double> parameters_;
   std::map<std::string, const char*> names_;  ///< of bodies and elements, and what they are
 };

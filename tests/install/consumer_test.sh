@@ -21,7 +21,7 @@ cmake -S "$work/consumer" -B "$work/reduction" -DWITH_REDUCTION=ON -DCMAKE_PREFI
   { cat "$work/configure.log"; exit 1; }
 cmake --build "$work/reduction" >"$work/build.log" || { cat "$work/build.log"; exit 1; }
 "$work/reduction/reduced_rod"
-# What docs/howto/cpp.md shows, as it stands there: its project, its part, both programs, and what they print.
+# What docs/howto/cpp.md shows, as it stands there: its project, its part, its programs, and what they print.
 page=$here/../../docs/howto/cpp.md
 block() { awk -v kind="$1" -v n="$2" '$0 == "```" kind { ++k; inside = 1; next } /^```$/ { inside = 0 } inside && k == n' "$page"; }
 mkdir "$work/page"
@@ -30,15 +30,16 @@ block toml 1 >"$work/page/arm.toml"
 block cpp 1 >"$work/page/arm.cpp"
 block cpp 2 >"$work/page/reduce_arm.cpp"
 block toml 2 >"$work/page/cart.toml"
-block cpp 3 >"$work/page/loop.cpp"
-printf 'add_executable(loop loop.cpp)\ntarget_link_libraries(loop PRIVATE Flexura::mbs)\n' >>"$work/page/CMakeLists.txt"
+block cpp 3 >"$work/page/within.cpp"
+block cpp 4 >"$work/page/loop.cpp"
+printf 'foreach(one within loop)\nadd_executable(${one} ${one}.cpp)\ntarget_link_libraries(${one} PRIVATE Flexura::mbs)\nendforeach()\n' >>"$work/page/CMakeLists.txt"
 cd "$work/page"
 cmake -S . -B build -DCMAKE_PREFIX_PATH="$work/usr" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" -DCMAKE_BUILD_TYPE=Release >"$work/configure.log" ||
   { cat "$work/configure.log"; exit 1; }
 cmake --build build >"$work/build.log" || { cat "$work/build.log"; exit 1; }
 build/reduce_arm
-{ build/arm && build/loop; } | tee printed.txt
-{ block text 1 && block text 2; } | while read -r line; do
+{ build/arm && build/within && build/loop; } | tee printed.txt
+{ block text 1 && block text 2 && block text 3; } | while read -r line; do
   grep -qxF -- "$line" printed.txt || { echo "docs/howto/cpp.md shows \"$line\", which is not printed"; exit 1; }
 done
 cd "$here"

@@ -8,12 +8,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "mbs/app/run/estimated_error.hpp"
 #include "mbs/app/run/open_page.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/mechanism/range/linear_range.hpp"
 #include "mbs/solver/algebra/accelerations.hpp"
 #include "mbs/solver/statics/equilibrium.hpp"
+#include "mbs/study/ledger/estimated_error.hpp"
 
 namespace flexura::app {
 
@@ -100,7 +100,7 @@ void give_warnings(NamedRun& run) {
 }
 
 void note_discretisation(mbs::PreparedMechanism& p) {
-  if (std::string line = discretisation_line(p); !line.empty()) p.notes.push_back(std::move(line));
+  if (std::string line = study::discretisation_line(p); !line.empty()) p.notes.push_back(std::move(line));
 }
 
 // The search ends where its steps do: where rows nearly contradict each other that is no equilibrium.  True where it warns.

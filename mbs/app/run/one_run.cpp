@@ -7,13 +7,13 @@
 #include <optional>
 #include <string_view>
 
-#include "mbs/app/run/estimated_error.hpp"
 #include "mbs/app/run/left_out.hpp"
 #include "mbs/app/run/provided_parts.hpp"
 #include "mbs/app/run/recorder.hpp"
 #include "mbs/app/run/watch/interference_watch.hpp"
 #include "mbs/study/choice/choose.hpp"
 #include "mbs/study/estimate/global_error.hpp"
+#include "mbs/study/ledger/estimated_error.hpp"
 
 namespace flexura::app {
 namespace {
@@ -82,12 +82,13 @@ void add_estimate(const PreparedMechanism& prepared, const study::TruncationEsti
   if (!elements && checks.elements && outcome.result.complete)
     elements = checks.elements->estimate(callbacks, outcome.result.wall_time,
                                          integrator && integrator->is_whole ? integrator->error : 0.0);
-  const Judges judges{truncation, integrator ? &*integrator : nullptr, elements ? &*elements : nullptr};
-  const ErrorEstimate estimate = estimate_error(prepared, judges, outcome.result);
+  const study::Judges judges{truncation, integrator ? &*integrator : nullptr,
+                             elements ? &*elements : nullptr};
+  const study::ErrorEstimate estimate = study::estimate_error(prepared, judges, outcome.result);
   outcome.summary["estimate"] = estimated_error_json(estimate, judges, outcome.result);
   outcome.lines.push_back(estimated_error_text(estimate));
   if (const double accuracy = prepared.file.solver.quantity("accuracy"); accuracy > 0.0)
-    if (std::string sentence = missed_accuracy(estimate, accuracy); !sentence.empty())
+    if (std::string sentence = study::missed_accuracy(estimate, accuracy); !sentence.empty())
       outcome.warnings.push_back(std::move(sentence));
 }
 

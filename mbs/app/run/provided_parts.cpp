@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "mbs/app/run/estimated_error.hpp"
 #include "mbs/base/files/signals.hpp"
+#include "mbs/study/ledger/estimated_error.hpp"
 
 namespace flexura::app {
 
@@ -36,7 +36,7 @@ std::vector<std::string> finer_parts(study::PartsOnDemand& parts, const mbs::Pre
   const double accuracy = prepared.file.solver.quantity("accuracy");
   if (!(accuracy > 0.0)) return {};
   std::vector<study::MeshOfBody> meshes;
-  for (const ErrorSource& source : discretisation_of(prepared))
+  for (const study::ErrorSource& source : study::discretisation_of(prepared))
     if (source.kind == "mesh") meshes.push_back({source.name, source.error});
   return parts.refine(meshes, accuracy);
 }

@@ -379,4 +379,11 @@ Section read_document(const std::filesystem::path& file, const TableSchema& sche
   return Section(checker.check(root, schema, "", 1, false));
 }
 
+Section read_text_document(const std::string& name, const std::string& text, const TableSchema& schema) {
+  const toml::table root = parse_toml(text, name);
+  const Overrides none;
+  return Section(
+      Checker(std::make_shared<const std::filesystem::path>(name), none).check(root, schema, "", 1, false));
+}
+
 }  // namespace flexura::input

@@ -87,6 +87,9 @@ using FormulaReader = std::function<FormulaEvaluator(const Section& parameters)>
 Section read_document(const std::filesystem::path& file, const TableSchema& schema,
                       const std::vector<std::string>& overrides = {}, const FormulaReader& formulas = {});
 
+/// The same of a text, called `name` in messages.
+Section read_text_document(const std::string& name, const std::string& text, const TableSchema& schema);
+
 /// The entry of `known` nearest to `word` by edit distance, or "" when none is near.
 std::string nearest(const std::string& word, const std::vector<std::string>& known);
 

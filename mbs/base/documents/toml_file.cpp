@@ -49,16 +49,18 @@ std::string read_text(const std::filesystem::path& file) {
 }  // namespace
 
 toml::table read_toml(const std::filesystem::path& file) {
-  const std::string text = read_text(file);
+  return parse_toml(read_text(file), file.string());
+}
+
+toml::table parse_toml(const std::string& text, const std::string& name) {
   if (const auto line = line_nested_too_deep(text))
     throw InputError(fmt::format("{}:{}: nests deeper than {} tables and lists; no key of ours lies there",
-                                 file.string(), *line, deepest_nesting));
+                                 name, *line, deepest_nesting));
   try {
-    return toml::parse(text, file.string());
+    return toml::parse(text, name);
   } catch (const toml::parse_error& failure) {
-    throw InputError(fmt::format("{}:{}:{}: is not valid TOML: {}", file.string(),
-                                 failure.source().begin.line, failure.source().begin.column,
-                                 shown_text(failure.description(), 200)));
+    throw InputError(fmt::format("{}:{}:{}: is not valid TOML: {}", name, failure.source().begin.line,
+                                 failure.source().begin.column, shown_text(failure.description(), 200)));
   }
 }
 

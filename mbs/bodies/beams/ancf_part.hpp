@@ -46,6 +46,9 @@ class AncfPart final : public FlexibleBody {
   /// The s_i that adds to a coordinate of the beam; -1 where that is fixed to B.
   int free_of(int coordinate) const;
 
+  std::vector<LawError> error_sources() const override {
+    return {{"elements", "a run with twice as many tells"}};
+  }
   std::unique_ptr<Scratch> make_scratch() const override;
   void set_position(const double* s, Scratch& scratch) const override;
   Spatial inverse_dynamics(const double* s, const double* s_dot, const double* s_ddot, const Spatial& V,

@@ -22,6 +22,9 @@ class ExactElement final : public FlexibleBody {
   ExactElement(beam::exact::Element element, const Pose& start, double damping_time,
                const std::vector<Station>& stations);
 
+  std::vector<LawError> error_sources() const override {
+    return {{"elements", "a run with twice as many tells"}};
+  }
   std::unique_ptr<Scratch> make_scratch() const override;
   void set_position(const double* s, Scratch& scratch) const override;
   bool moves_by_integrals() const override { return false; }

@@ -26,6 +26,9 @@ class PlanarBeam final : public FlexibleBody {
   /// In B: where each element starts, x along the line to its end.
   std::vector<Pose> chords(const double* s) const;
 
+  std::vector<LawError> error_sources() const override {
+    return {{"elements", "a run with twice as many tells"}};
+  }
   /// Normal to the plane, in B.
   std::optional<Vector3d> stiff_direction() const override { return start_.R.col(2); }
 

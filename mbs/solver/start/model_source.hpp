@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "mbs/base/documents/content_hash.hpp"
-#include "mbs/bodies/preparation_cache.hpp"
 #include "mbs/file/read_mechanism.hpp"
 
 /// How a mechanism's bodies are modelled, as an object, and what makes the mechanism anew with it: a file, or a program.

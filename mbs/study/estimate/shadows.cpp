@@ -10,6 +10,7 @@
 
 #include "mbs/solver/integrators/known_times.hpp"
 #include "mbs/study/estimate/beyond_first_order.hpp"
+#include "mbs/study/estimate/deformation_error.hpp"
 #include "mbs/study/estimate/influence.hpp"
 #include "mbs/study/estimate/recovered_outputs.hpp"
 #include "mbs/study/estimate/step_looks.hpp"
@@ -68,7 +69,10 @@ struct Shadows::Impl {
   VectorXd v_dot, r, y, y_moved;
   HeldRows linearised;
 
-  MatrixXd next_order;  // n_v x sources: loads
+  MatrixXd next_order;                                    // n_v x sources: loads
+  std::vector<std::pair<std::size_t, double>> stiffness;  // blocks, and the part by which they are too stiff
+  MatrixXd stiffness_squares, last_stiffness;             // outputs x those: integral of the error squared
+  MatrixXd stiffness_loads() const;
   MatrixXd loads() const;
   bool jumps_before(double t);
   void look_behind_start(double start, double end);
@@ -107,6 +111,18 @@ bool Shadows::Impl::jumps_before(double now) {
   return any;
 }
 
+MatrixXd Shadows::Impl::stiffness_loads() const {
+  MatrixXd out = MatrixXd::Zero(r.size(), static_cast<Index>(stiffness.size()));
+  for (std::size_t k = 0; k < stiffness.size(); ++k) {
+    const ModalBlock& block = full.blocks()[stiffness[k].first];
+    const mbs::ModalData& data =
+        *full.mechanism().description().bodies[static_cast<std::size_t>(block.body)].flexible->modal();
+    out.col(static_cast<Index>(k)).segment(block.v, block.m) =
+        stiffness[k].second * data.stiffness.cwiseProduct(s.p.segment(block.p, block.m));
+  }
+  return out;
+}
+
 // What the first order leaves of the equations at the state that it moves the run to.  It drives the correction from the next
 // row on.
 void Shadows::Impl::take_next_order(const MatrixXd& load) {
@@ -133,7 +149,8 @@ void Shadows::Impl::compare(const mbs::State& at, const VectorXd& v_dot_at, doub
   for (Index k = n_sources > 1 ? 0 : n_sources; k <= n_sources; ++k) {
     const bool all = k == n_sources;
     const auto part = [&](const MatrixXd& columns) {
-      return all ? VectorXd(columns.rowwise().sum()) : VectorXd(columns.col(k) + columns.col(n_sources + k));
+      return all ? VectorXd(columns.leftCols(2 * n_sources).rowwise().sum())
+                 : VectorXd(columns.col(k) + columns.col(n_sources + k));
     };
     const FullModel::Correction by{part(correction->delta()), part(correction->rate()),
                                    part(correction->dlambda()), part(correction->states())};
@@ -160,6 +177,19 @@ void Shadows::Impl::compare(const mbs::State& at, const VectorXd& v_dot_at, doub
       now_source(i, k) = error * error;
     }
   }
+  VectorXd y_stiff;
+  MatrixXd now_stiffness(n, static_cast<Index>(stiffness.size()));
+  for (Index k = 0; k < now_stiffness.cols(); ++k) {
+    const auto part = [&](const MatrixXd& columns) { return VectorXd(columns.col(2 * n_sources + k)); };
+    full.move(s, *linearised.row(),
+              {part(correction->delta()), part(correction->rate()), part(correction->dlambda()),
+               part(correction->states())},
+              moved);
+    full.evaluate(outputs, moved, v_dot + part(correction->acceleration()), y_stiff);
+    now_stiffness.col(k) = (y_stiff - y).cwiseAbs2();
+  }
+  stiffness_squares += 0.5 * h * (now_stiffness + last_stiffness);
+  last_stiffness = now_stiffness;
   for (Index i = 0; i < n; ++i) {
     OutputEstimate& sum = sums[static_cast<std::size_t>(i)];
     const double error = std::abs(y_moved(i) - y(i) - follows(i));
@@ -211,10 +241,16 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
   Impl& in = *impl;
   for (std::size_t i = 0; i < full.blocks().size(); ++i) {
     in.joints_feel_nothing = in.joints_feel_nothing || in.embedding.one_way(i);
-    if (in.embedding.complete(i)) continue;
-    in.sources.push_back(i);
+    const bool complete = in.embedding.complete(i);
+    if (!complete) in.sources.push_back(i);
+    if (in.embedding.deformations(i).cols() == 0 || in.embedding.one_way(i)) continue;
+    const double error = known_error(deformation_error(
+        full.mechanism().description().bodies[static_cast<std::size_t>(full.blocks()[i].body)]));
+    if (error > 0.0) in.stiffness.emplace_back(i, error);
   }
-  if (in.sources.empty()) return nullptr;
+  // Of a run with all modes the estimate would cost more than it tells, unless its verdict counts.
+  if (in.sources.empty() && run.file.solver.quantity("accuracy") == 0.0) in.stiffness.clear();
+  if (in.sources.empty() && in.stiffness.empty()) return nullptr;
   in.outputs = judged_outputs(run, full.mechanism(), in.sums);
   in.recovered.emplace(*run.mechanism, in.sums);
   // What they cost grows with the third power of the coordinates.
@@ -236,7 +272,9 @@ std::unique_ptr<Shadows> Shadows::make(const mbs::PreparedMechanism& run, FullMo
   in.tells_next_order = std::isfinite(most_compared);
   in.source_sums = in.last_source = MatrixXd::Zero(n_out, n_sources);
   in.known = std::make_unique<mbs::KnownTimes>(*run.mechanism, run.options);
-  in.correction = std::make_unique<LinearCorrection>(full.mechanism().sizes().n_v, 2 * n_sources);
+  in.correction = std::make_unique<LinearCorrection>(full.mechanism().sizes().n_v,
+                                                     2 * n_sources + static_cast<Index>(in.stiffness.size()));
+  in.stiffness_squares = in.last_stiffness = MatrixXd::Zero(n_out, static_cast<Index>(in.stiffness.size()));
   in.next_order = MatrixXd::Zero(full.mechanism().sizes().n_v, n_sources);
   in.beyond = std::make_unique<BeyondFirstOrder>(full, in.sources.size());
   std::unique_ptr<Shadows> shadows(new Shadows(std::move(impl)));
@@ -277,10 +315,9 @@ bool Shadows::Impl::follow(const mbs::State& at, const VectorXd& v_dot_at, bool 
   jumped = taken > 0 && jumps_before(at.t);
   if (jumped) transients.begin();
   const MatrixXd load = loads();
-  const Index n_sources = load.cols();
-  MatrixXd both(load.rows(), 2 * n_sources);
-  both << load, next_order;
-  correction->step(h, *linearised.row(), linearised.G(), both, &transients, jumped);
+  MatrixXd all(load.rows(), correction->delta().cols());
+  all << load, next_order, stiffness_loads();
+  correction->step(h, *linearised.row(), linearised.G(), all, &transients, jumped);
   take_next_order(load);
   if (taken % compared == 0) {
     compare(at, v_dot_at, taken > 0 ? at.t - t_compared : 0.0);
@@ -348,13 +385,17 @@ const HeldRows& Shadows::linearised() const {
   return impl_->linearised;
 }
 mbs::State Shadows::corrected(VectorXd& v_dot) const {
-  v_dot = impl_->v_dot + impl_->correction->acceleration().rowwise().sum();
+  v_dot = impl_->v_dot + impl_->correction->acceleration()
+                             .leftCols(2 * static_cast<Index>(impl_->sources.size()))
+                             .rowwise()
+                             .sum();
   mbs::State out;
   const LinearCorrection& by = *impl_->correction;
+  const auto sum = [&](const MatrixXd& columns) {
+    return VectorXd(columns.leftCols(2 * static_cast<Index>(impl_->sources.size())).rowwise().sum());
+  };
   impl_->full.move(impl_->s, *impl_->linearised.row(),
-                   {by.delta().rowwise().sum(), by.rate().rowwise().sum(), by.dlambda().rowwise().sum(),
-                    by.states().rowwise().sum()},
-                   out);
+                   {sum(by.delta()), sum(by.rate()), sum(by.dlambda()), sum(by.states())}, out);
   return out;
 }
 const VectorXd& Shadows::corrected_outputs() const {
@@ -378,6 +419,12 @@ TruncationEstimate Shadows::estimate() const {
   set_rests(in.full.mechanism(), in.beyond->rests(), out.outputs);
   in.families.judge(out.outputs, in.asked, in.tolerance, Families::Of::deformation);
   std::tie(out.error, out.worst) = worst_output(in.square, span, out.outputs);
+  for (std::size_t k = 0; k < in.stiffness.size(); ++k) {
+    const auto [error, which] =
+        worst_output(in.stiffness_squares.col(static_cast<Index>(k)), span, out.outputs);
+    out.by_stiffness.push_back({in.full.blocks()[in.stiffness[k].first].name, error,
+                                which >= 0 ? out.outputs[static_cast<std::size_t>(which)].name : ""});
+  }
   for (std::size_t k = 0; k < in.sources.size(); ++k) {
     const ModalBlock& block = in.full.blocks()[in.sources[k]];
     SourceEstimate source;

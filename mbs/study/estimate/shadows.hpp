@@ -30,6 +30,9 @@
 /// acts on; the equation is linear, so each body's share of the error is known.  It says little where the
 /// loss is of order one.
 ///
+/// What a superelement knows of its own stiffness, that it is too high by a part e, is a load e K s of the deformation s that the
+/// run has: what that changes of an output, be it a shape that is off or a vibration that runs ahead, is the mesh's share.
+///
 /// The error of an output y is y(p + delta, v + delta', v' + delta'', lambda + dlambda) - y(p, v, v',
 /// lambda), both in the full model; of section forces and stresses, where what is left out follows its loads, less what the
 /// run itself says.
@@ -45,10 +48,18 @@ struct SourceEstimate {
   std::string beyond;
 };
 
+/// What the error of a superelement's own stiffness (deformation_error.hpp) changes of the run.
+struct StiffnessEstimate {
+  std::string body;
+  double error = 0.0;  ///< relative rms of the worst output
+  std::string output;  ///< that output
+};
+
 struct TruncationEstimate {
   std::vector<OutputEstimate> outputs;
-  std::vector<SourceEstimate> by_body;  ///< the largest first
-  int shadows = 0;                      ///< dropped deformations that were followed
+  std::vector<StiffnessEstimate> by_stiffness;  ///< of bodies that deform and know their error
+  std::vector<SourceEstimate> by_body;          ///< the largest first
+  int shadows = 0;                              ///< dropped deformations that were followed
   int worst = -1;      ///< the output of the largest relative rms error, -1 when there is none
   double error = 0.0;  ///< that error
   double wall = 0.0;   ///< [s] that the shadows took
@@ -62,7 +73,8 @@ struct TruncationEstimate {
 class Shadows {
  public:
   /// Null where the run has every deformation of its superelements, damped, coupled and stiffened as the full
-  /// model, which takes all geometric stiffening that the superelements know.
+  /// model, which takes all geometric stiffening that the superelements know, and no accuracy is asked for that errors of their
+  /// stiffness might exceed.
   static std::unique_ptr<Shadows> make(const mbs::PreparedMechanism& run);
   /// The same with a full model that outlives it.  Outputs cost as much as all the rest of a row: they are compared at some
   /// `most_compared` rows, where the run has so many.

@@ -267,5 +267,67 @@ TEST_F(ShadowsOfABar, SeeTheVibrationWithWhichARunSetsOff) {
   EXPECT_NEAR(shadows->estimate().outputs.at(0).rms / error, 1.0, 0.2);
 }
 
+// A superelement that is too stiff by a part it knows, against the one that is not: a shape that is off, and vibrations that
+// run ahead, over short runs and long ones, near a resonance (38 Hz) and off it.
+TEST(ErrorsOfStiffness, AreWhatTheyChangeOfTheRun) {
+  const test::Folder folder;
+  const auto right = superelement::testing::make_box_beam();
+  int large = 0;
+  for (const double omega : {60.0, 150.0, 225.0, 300.0})
+    for (const double end : {0.1, 0.6})
+      for (const double e : {0.002, 0.02}) {
+        SCOPED_TRACE(fmt::format("{} rad/s, {} s, {}", omega, end, e));
+        auto stiff = right;
+        stiff.K_se *= 1.0 + e;
+        stiff.omega2 *= 1.0 + e;
+        superelement::MeshError known;
+        known.modes.push_back({.frequency_hz = 100.0, .error = 0.5 * e, .stress = {}});
+        stiff.mesh_error = known;
+        stiff.report_json = R"({"estimate":[{"frequency_hz":100.0,"frequency_error":0}]})";
+        const auto rows = [&](const superelement::Superelement& se, bool tells) {
+          superelement::write(folder / "beam.se.h5", se);
+          const auto file = folder.write("m.toml", bars::kClamped);
+          const auto p = mbs::prepare(
+              file, {fmt::format("parameters.omega={}", omega), "body.beam.damping=0.005",
+                     fmt::format("solver.end_time={}", end), "solver.tolerance=1e-7",
+                     "output.quantities=[\"sway\"]", "solver.accuracy=0.01", "body.beam.fidelity=modal"});
+          const int y = mbs::select_quantities(*p.mechanism, {"sway"}).front();
+          const auto scratch = p.mechanism->make_scratch();
+          std::vector<double> out;
+          auto shadows = tells ? Shadows::make(p) : nullptr;
+          mbs::RunCallbacks callbacks;
+          callbacks.row = [&](const mbs::State& s, const Eigen::VectorXd& v_dot, const mbs::EnergyAccount&) {
+            Eigen::VectorXd value(1);
+            p.mechanism->evaluate({y}, s, v_dot, *scratch, value);
+            out.push_back(value(0));
+            if (shadows) shadows->take(s, v_dot);
+          };
+          EXPECT_TRUE(mbs::run(*p.mechanism, p.state, p.v_dot, p.options, callbacks).complete);
+          if (shadows) {
+            const auto estimate = shadows->estimate();
+            EXPECT_EQ(estimate.by_stiffness.size(), 1u);
+            if (!estimate.by_stiffness.empty()) out.push_back(estimate.by_stiffness.front().error);
+          }
+          return out;
+        };
+        std::vector<double> of_stiff = rows(stiff, true);
+        const std::vector<double> of_right = rows(right, false);
+        ASSERT_EQ(of_stiff.size(), of_right.size() + 1);
+        double squares = 0.0, sizes = 0.0;
+        for (std::size_t i = 0; i < of_right.size(); ++i) {
+          squares += std::pow(of_stiff[i] - of_right[i], 2);
+          sizes += of_right[i] * of_right[i];
+        }
+        const double truth = std::sqrt(squares / sizes), said = of_stiff.back();
+        // Rows 0.2 ms apart, 130 to a period: what the linear equation makes of its steps is 1e-3 of it.  To first order.
+        if (truth < 0.2)
+          EXPECT_NEAR(said, truth, 0.15 * truth);
+        else
+          EXPECT_GT(said, 0.1);
+        large += truth > 2.0 * e;
+      }
+  EXPECT_GE(large, 4);  // far more than a part of the deformation
+}
+
 }  // namespace
 }  // namespace flexura::study

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "mbs/app/run/estimated_error.hpp"
 #include "mbs/mechanism/describe.hpp"
 #include "mbs/study/estimate/percent.hpp"
+#include "mbs/study/ledger/estimated_error.hpp"
 #include "mbs/superelement/file.hpp"
 
-namespace flexura::app {
+namespace flexura::study {
 namespace {
 
 // Of the stored quantities of a body: its greatest stress, or components and the like at these of its stress points.
@@ -66,7 +66,7 @@ ErrorSource stress_of(const mbs::BodyDescription& body, const StoredStress& stor
     most = known.at_vertices(vertex);
     out.note =
         fmt::format("in elements it is off by {} of the part's rms stress at {}; compare with a finer mesh",
-                    study::percent(most), point.name);
+                    percent(most), point.name);
   }
   return out;
 }
@@ -121,4 +121,4 @@ void add_stresses(const mbs::PreparedMechanism& prepared, std::vector<ErrorSourc
   }
 }
 
-}  // namespace flexura::app
+}  // namespace flexura::study

@@ -6,13 +6,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "mbs/app/run/estimated_error.hpp"
 #include "mbs/base/terminal/terminal.hpp"
 #include "mbs/study/estimate/percent.hpp"
+#include "mbs/study/ledger/estimated_error.hpp"
 
-namespace flexura::app {
-
-using study::percent;
+namespace flexura::study {
 
 namespace {
 
@@ -30,6 +28,7 @@ std::string words_of(const std::string& kind, const std::string& names) {
   if (kind == "plane") return "bending across the plane of " + names;
   if (kind == "surface_contact") return "surface in contact of " + names;
   if (kind == "beam") return "bending of the rigid " + names;
+  if (kind == "law") return "law of deformation of " + names;
   if (kind == "link") return "rigid link of " + names;
   if (kind == "inertia") return "deformation by centrifugal and Coriolis forces of " + names;
   if (kind == "stiffening") return "geometric stiffening of " + names;
@@ -174,8 +173,8 @@ std::string missed_accuracy(const ErrorEstimate& estimate, double accuracy) {
 nlohmann::json estimated_error_json(const ErrorEstimate& estimate, const Judges& judges,
                                     const mbs::RunResult& result) {
   using nlohmann::json;
-  const study::TruncationEstimate* const truncation = judges.truncation;
-  const study::IntegratorEstimate* const check = judges.integrator;
+  const TruncationEstimate* const truncation = judges.truncation;
+  const IntegratorEstimate* const check = judges.integrator;
   json out = {{"error", estimate.is_whole ? json(estimate.at_least) : json()},
               {"at_least", estimate.at_least},
               {"unknown", json::array()},
@@ -196,7 +195,7 @@ nlohmann::json estimated_error_json(const ErrorEstimate& estimate, const Judges&
                                {"output", check->output},
                                {"factor", check->factor},
                                {"wall_time", check->wall}};
-  if (const study::ElementsEstimate* const e = judges.elements)
+  if (const ElementsEstimate* const e = judges.elements)
     out["elements_check"] = {{"error", e->is_whole ? json(e->error) : json()},
                              {"at_least", e->error},
                              {"output", e->output},
@@ -207,11 +206,11 @@ nlohmann::json estimated_error_json(const ErrorEstimate& estimate, const Judges&
   out["truncation"] = truncation->error;
   out["shadows"] = truncation->shadows;
   out["wall_time"] = truncation->wall;
-  for (const study::SourceEstimate& source : truncation->by_body) out["by_body"][source.body] = source.error;
-  for (const study::OutputEstimate& o : truncation->outputs)
+  for (const SourceEstimate& source : truncation->by_body) out["by_body"][source.body] = source.error;
+  for (const OutputEstimate& o : truncation->outputs)
     out["outputs"][o.name] = {{"max", o.max},           {"rms", o.rms},           {"final", o.final},
                               {"size_max", o.size_max}, {"size_rms", o.size_rms}, {"scale", o.scale}};
   return out;
 }
 
-}  // namespace flexura::app
+}  // namespace flexura::study

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "mbs/app/run/estimated_error.hpp"
+#include "mbs/study/ledger/estimated_error.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,65 +11,40 @@
 
 #include "mbs/base/files/json_text.hpp"
 #include "mbs/solver/accuracy/integrator_kind.hpp"
+#include "mbs/study/estimate/deformation_error.hpp"
 #include "mbs/study/estimate/full_model.hpp"
 #include "mbs/study/estimate/percent.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/superelement/known_errors.hpp"
 
-namespace flexura::app {
-
-using study::percent;
+namespace flexura::study {
 
 namespace {
 
 // The shadows are linear in what they correct; from here on their figure is no more than a warning.
 constexpr double kTrusted = 0.2;
 
-// What a superelement says of itself, as errors of its deformation: that of the lowest frequency counts twice (f ~ k^(1/2)),
-// those of the compliance between interfaces as they are; of the elements the worst.  Nothing where the mesh was not judged or does
-// not resolve the part.
-struct DeformationError {
-  std::optional<double> elements, left_out;
-  double volume = 0.0;
-  std::string note;  ///< which of the elements' errors that is
-};
-
-DeformationError deformation_error(const superelement::Superelement& se) {
-  DeformationError out;
-  const auto report = files::try_read_json(se.report_json);
-  if (report.is_object() && report.contains("mesh") && report["mesh"].is_object() &&
-      report["mesh"].contains("volume_error") && report["mesh"]["volume_error"].is_number())
-    out.volume = std::abs(report["mesh"]["volume_error"].get<double>());
-  const superelement::FrequencyError frequency = superelement::first_frequency_error(se);
-  if (frequency.left_out >= 0.0) out.left_out = 2.0 * frequency.left_out;
-  if (!se.mesh_error) return out;
-  const auto is_known = [](double error) { return error >= 0.0 && error < 1.0; };
-  if (!se.mesh_error->modes.empty() && !is_known(frequency.mesh)) return out;
-  for (const superelement::MeshError::Interface& interface : se.mesh_error->interfaces)
-    if (!is_known(interface.compliance_error)) return out;
-  if (is_known(frequency.mesh)) {
-    out.elements = 2.0 * frequency.mesh;
-    out.note = "twice its first frequency's";
-  }
-  const superelement::MeshError::Interface* const worst = superelement::worst_interface(*se.mesh_error);
-  if (worst && worst->compliance_error > out.elements.value_or(-1.0)) {
-    out.elements = worst->compliance_error;
-    out.note = "static compliance at " + worst->name;
-  }
-  return out;
-}
-
-ErrorSource mesh_of(const std::string& name, const superelement::Superelement& se) {
+ErrorSource mesh_of(const std::string& name, const superelement::Superelement& se,
+                    const TruncationEstimate* truncation) {
   ErrorSource out{"mesh", name, {}, 0.0, "its reduction reports no estimate"};
   const DeformationError known = deformation_error(se);
-  const double sum = known.volume + known.left_out.value_or(0.0) + known.elements.value_or(0.0);
-  if (known.left_out && known.elements) {
+  const double sum = known_error(known);
+  const StiffnessEstimate* followed = nullptr;
+  if (truncation)
+    for (const StiffnessEstimate& one : truncation->by_stiffness)
+      if (one.body == name) followed = &one;
+  const double share = followed ? followed->error : sum;
+  if (known.left_out && known.elements && followed) {
+    out.error = share;
+    out.note = fmt::format("{}{} of its stiffness",
+                           followed->output.empty() ? "" : "in " + followed->output + ", by ", percent(sum));
+  } else if (known.left_out && known.elements) {
     out.error = sum;
     out.note = "of its deformation, most by " + (*known.left_out > *known.elements
                                                      ? "twice its first frequency's error by modes left out"
                                                      : known.note);
   } else {
-    out.at_least = sum;
+    out.at_least = share;
     if (known.left_out)
       out.note = "its elements were not judged, or do not resolve the part";
     else if (known.elements)
@@ -80,25 +55,41 @@ ErrorSource mesh_of(const std::string& name, const superelement::Superelement& s
   return out;
 }
 
-void add_bodies(const mbs::PreparedMechanism& prepared, std::vector<ErrorSource>& sources) {
+void add_bodies(const mbs::PreparedMechanism& prepared, const TruncationEstimate* truncation,
+                std::vector<ErrorSource>& sources) {
   for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies) {
-    if (!study::can_deform(body)) continue;
+    if (!can_deform(body)) continue;
     if (body.flexible) {
       const superelement::Superelement se =
           body.of_beam ? *body.of_beam
                        : superelement::read(body.superelement,
                                             {.matrices = false, .inertia = false, .mesh_error = true});
-      sources.push_back(mesh_of(body.name, se));
+      sources.push_back(mesh_of(body.name, se, truncation));
       if (!superelement::has_inertia_integrals(se))
         sources.push_back({"inertia", body.name, {}, 0.0, "its FlexData file has no inertia integrals"});
     }
-    if (!study::has_stiffening_terms(body))
+    if (!has_stiffening_terms(body))
       sources.push_back({"stiffening",
                          body.name,
                          {},
                          0.0,
                          body.follows_surface ? "its loads on the surface have no terms for it"
                                               : "reduce it with stiffening = true"});
+  }
+}
+
+// What laws of deformation leave out where nothing above has judged it.
+void add_laws(const mbs::PreparedMechanism& prepared, std::vector<ErrorSource>& sources) {
+  const auto is_told = [&](const std::string& body) {
+    return std::ranges::any_of(prepared.file.blind_spots, [&](const mbs::BlindSpot& spot) {
+      return spot.name == body || body.starts_with(spot.name + ".");
+    });
+  };
+  for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies) {
+    if (!body.flexible) continue;
+    for (const mbs::LawError& error : body.flexible->error_sources())
+      if (!(error.kind == "modes" ? body.is_reduced() : is_told(body.name)))
+        sources.push_back({error.kind, body.name, {}, 0.0, error.remedy});
   }
 }
 
@@ -133,7 +124,7 @@ bool integrates_speeds(const mbs::PreparedMechanism& prepared) {
   return false;
 }
 
-std::string basis(const study::OutputEstimate& output) {
+std::string basis(const OutputEstimate& output) {
   return output.scale > output.size_rms ? output.name + "'s family, beside which it is nothing"
                                         : output.name + ", the worst output";
 }
@@ -142,15 +133,15 @@ std::string basis(const study::OutputEstimate& output) {
 
 ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judges& judges,
                              const mbs::RunResult& result) {
-  const study::TruncationEstimate* const truncation = judges.truncation;
-  const study::IntegratorEstimate* const check = judges.integrator;
+  const TruncationEstimate* const truncation = judges.truncation;
+  const IntegratorEstimate* const check = judges.integrator;
   ErrorEstimate out;
   const double off = std::abs(result.energy.relative_error());
   if (!result.near_rank_loss.empty())
     out.sources.push_back({"dead_point", "", {}, 0.0, "the warning tells when; other rows are not touched"});
   // Next to a dead point the account takes reactions that are wrong, from steps that are right.
   const bool is_account_right = result.doubt_of_energy < off;
-  if (check && check->is_whole && is_account_right && study::energy_tells_more(off, check->error)) {
+  if (check && check->is_whole && is_account_right && energy_tells_more(off, check->error)) {
     out.sources.push_back(
         {"integrator",
          "",
@@ -184,7 +175,7 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judge
     out.sources.push_back({"integrator", "", result.doubt_of_rows, 0.0, "what closing the loops leaves"});
   }
   out.of = check && !check->output.empty() ? check->output : "an output";
-  if (const study::ElementsEstimate* const e = judges.elements;
+  if (const ElementsEstimate* const e = judges.elements;
       e && !e->output.empty() && (!check || e->error > check->error))
     out.of = e->output;
   if (truncation && truncation->worst >= 0) {
@@ -193,7 +184,7 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judge
   }
   // Also where no row shows that they cost anything: a pulse between two rows may.
   if (truncation) {
-    for (const study::SourceEstimate& source : truncation->by_body)
+    for (const SourceEstimate& source : truncation->by_body)
       if (truncation->missed > 0.0)
         out.sources.push_back(
             {"modes",
@@ -218,7 +209,8 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judge
             {"modes", source.body, source.error, 0.0,
              truncation->by_body.size() > 1 && !source.output.empty() ? "in " + source.output : ""});
   }
-  add_bodies(prepared, out.sources);
+  add_bodies(prepared, truncation, out.sources);
+  add_laws(prepared, out.sources);
   add_stresses(prepared, out.sources);
   const auto is_judged = [&](const std::string& body) {
     return judges.elements &&
@@ -229,7 +221,7 @@ ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judge
       out.sources.push_back(
           {spot.kind, spot.name, {}, 0.0, spot.key.empty() ? spot.remedy : "--check-elements tells"});
   // Those runs take all beams together.
-  if (const study::ElementsEstimate* const e = judges.elements)
+  if (const ElementsEstimate* const e = judges.elements)
     out.sources.push_back({"elements", fmt::format("{}", fmt::join(e->bodies, ", ")),
                            e->is_whole ? std::optional(e->error) : std::nullopt, e->error, e->note});
   add_vibration(prepared, out.sources);
@@ -251,11 +243,11 @@ std::vector<ErrorSource> discretisation_of(const mbs::PreparedMechanism& prepare
     if (data && data->Y.cols() + 6 < data->Y.rows())
       sources.push_back({"modes", body.name, {}, 0.0, "flexura simulate estimates them"});
   }
-  add_bodies(prepared, sources);
+  add_bodies(prepared, nullptr, sources);
   add_stresses(prepared, sources);
   for (const mbs::BlindSpot& spot : prepared.file.blind_spots)
     sources.push_back({spot.kind, spot.name, {}, 0.0, spot.remedy});
   return sources;
 }
 
-}  // namespace flexura::app
+}  // namespace flexura::study

@@ -20,7 +20,8 @@
 ///   error over the rms of the output, of the output where that is largest;
 /// - mesh of a body: its reduction's report, twice the estimated relative error of its first free frequency
 ///   (stiffness goes with its square) and the mesh's volume against CAD; a part of the body's deformation.
-///   It counts in full, as if the output were nothing but deformation;
+///   Where shadows follow the run (modes are left out, or an accuracy is asked for) it is what that error of its stiffness
+///   changes of the worst output; else it counts in full, as if the output were nothing but deformation;
 /// - stress of a body, where it is stored: what its reduction says of the greatest under loads on its interfaces,
 ///   unknown where that is unbounded and at stress points; beside what the mesh makes of deformation;
 /// - section forces and stress by a body's own loads (weight, inertia, load cases, tension): unknown where its superelement
@@ -33,7 +34,7 @@
 /// those runs, rigid links, elements of users' own libraries, geometric stiffening of bodies whose
 /// superelement has no terms for it, a mesh whose reduction reports no estimate, and what switches (contact,
 /// clearance, stick-slip) as long as nothing but an estimate linear about the run has looked at it.
-namespace flexura::app {
+namespace flexura::study {
 
 struct ErrorSource {
   std::string
@@ -54,9 +55,9 @@ struct ErrorEstimate {
 
 /// What has looked at a run; each may be null: nothing was left out, not asked for, no beams.
 struct Judges {
-  const study::TruncationEstimate* truncation = nullptr;
-  const study::IntegratorEstimate* integrator = nullptr;
-  const study::ElementsEstimate* elements = nullptr;
+  const TruncationEstimate* truncation = nullptr;
+  const IntegratorEstimate* integrator = nullptr;
+  const ElementsEstimate* elements = nullptr;
 };
 
 ErrorEstimate estimate_error(const mbs::PreparedMechanism& prepared, const Judges& judges,
@@ -88,4 +89,4 @@ std::string discretisation_line(const mbs::PreparedMechanism& prepared);
 nlohmann::json estimated_error_json(const ErrorEstimate& estimate, const Judges& judges,
                                     const mbs::RunResult& result);
 
-}  // namespace flexura::app
+}  // namespace flexura::study
