@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <numbers>
+#include <tuple>
 
 #include "mbs/superelement/file.hpp"
 #include "tests/import/robot_run.hpp"
@@ -149,6 +150,26 @@ TEST(UrdfMeshes, OpenPicturesAndSeveralBodiesAreNamed) {
       imported.err,
       HasSubstr("arm cannot be made flexible by --reduce: its picture is no closed surface of one body"));
   EXPECT_FALSE(fs::exists(folder / "out/parts/arm.toml"));
+}
+
+// A box of 8e-4 m^3: of aluminium's density within 10 % it keeps the link's mass; hollow it takes both constants of the nearest material.
+TEST(UrdfMeshes, PartsTakeModulusAndDensityOfOneMaterial) {
+  for (const auto& [mass, material, density] :
+       {std::tuple("2.2", "[material.aluminium]\nyoung = \"70 GPa\"", "density = 2750"),
+        std::tuple("6.0", "[material.steel]\nyoung = \"210 GPa\"", "density = 7500"),
+        std::tuple("0.08", "[material.polymer]\nyoung = \"2.3 GPa\"", "density = 1050")}) {
+    const Folder folder;
+    const auto file = folder.write(
+        "r.urdf",
+        test::robot(link("a", std::string("<inertial><mass value=\"") + mass +
+                                  R"("/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+             <visual><origin rpy="0 0 1"/><geometry><box size="0.4 0.04 0.05"/></geometry></visual>)")));
+    const Outcome outcome = run("flexura", {"import", file, "-o", folder / "out"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::string part = read_text(folder / "out/parts/a.toml");
+    EXPECT_THAT(part, HasSubstr(material));
+    EXPECT_THAT(part, HasSubstr(density));
+  }
 }
 
 }  // namespace
