@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <stdexcept>
 #include <tuple>
@@ -15,7 +16,6 @@
 #include "mesh/model/patches.hpp"
 
 namespace flexura::mesh {
-
 void Unused::add(const std::string& card, const Where& where) {
   const auto [at, is_new] = place_.try_emplace(card, entries_.size());
   if (is_new)
@@ -46,6 +46,32 @@ std::vector<std::string> Unused::remarks() const {
                               entry.count > 1 ? fmt::format("{} times ", entry.count) : "", entry.card,
                               entry.first));
   return out;
+}
+
+void Faults::add(const std::string& text) {
+  std::string kind;
+  const std::size_t at = text.find(", line ");
+  for (const char c : text.substr(at == std::string::npos ? 0 : at))
+    if (!std::isdigit(static_cast<unsigned char>(c))) kind += c;
+  const auto [place, is_new] = place_.try_emplace(kind, kinds_.size());
+  if (is_new)
+    kinds_.emplace_back(text, 1);
+  else
+    ++kinds_[place->second].second;
+}
+
+void Faults::raise() const {
+  if (kinds_.empty()) return;
+  constexpr std::size_t most = 20;
+  std::string out;
+  const auto line = [](const std::pair<std::string, int>& kind) {
+    return kind.second == 1 ? kind.first
+                            : fmt::format("{} (and {} more of this kind)", kind.first, kind.second - 1);
+  };
+  if (kinds_.size() == 1) throw std::invalid_argument(line(kinds_.front()));
+  for (std::size_t k = 0; k < std::min(most, kinds_.size()); ++k) out += "\n  " + line(kinds_[k]);
+  if (kinds_.size() > most) out += fmt::format("\n  and {} kinds more", kinds_.size() - most);
+  throw std::invalid_argument(fmt::format("{} kinds of faults stop the deck:{}", kinds_.size(), out));
 }
 
 void require_file(const std::filesystem::path& path) {
@@ -234,6 +260,7 @@ void ModelBuilder::split_quadratic_shells() {
 
 void ModelBuilder::finish(ImportedModel& model) {
   split_quadratic_shells();
+  mend_solids(model);
   Mesh& mesh = model.mesh;
   mesh = Mesh();
   std::vector<Index> number(points_.size(), -1);
@@ -297,20 +324,6 @@ void ModelBuilder::finish(ImportedModel& model) {
     }
     if (std::ranges::all_of(block.offset, [](double offset) { return offset == 0; })) block.offset.clear();
     (is_shell ? mesh.shells : mesh.solids).push_back(std::move(block));
-  }
-  const auto place_of = [&](const CellBlock& block,
-                            Index row) {  // the rows of a block stand in the order of the cells
-    for (const Cell& cell : cells_)
-      if (cell.type == block.type && cell.variant == block.variant && row-- == 0) return cell.where.text();
-    return std::string();
-  };
-  for (const CellBlock& block : mesh.solids) {
-    const auto& centre = stiffness_quadrature(block.type).points;
-    for (Index cell = 0; cell < block.nodes.rows(); ++cell)
-      if (!(jacobian_determinants(mesh, block, cell, centre).minCoeff() > 0))
-        throw std::invalid_argument(fmt::format(
-            "{}: element {} ({}) is turned inside out: det J <= 0 at an integration point",
-            place_of(block, cell), block.label[static_cast<std::size_t>(cell)], name_of(block.type)));
   }
   for (const auto& [name, nodes] : sets_) {
     NodeSet set;

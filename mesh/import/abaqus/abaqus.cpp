@@ -60,6 +60,7 @@ class Placer {
   PlacedDeck placed_;
   SectionPlacer sections_;
   Implied implied_;
+  Faults faults_;
 };
 
 ImportedModel Placer::build(const std::filesystem::path& path) {
@@ -84,6 +85,7 @@ ImportedModel Placer::build(const std::filesystem::path& path) {
     for (std::size_t p = 1; p < placed_.deck.parts.size(); ++p)
       place(placed_.deck.parts[p], ++scope, nullptr, placed > 1 ? placed_.deck.parts[p].name + "." : "");
   for (const AssemblySet& set : placed_.deck.assembly_sets) take_assembly_set(set);
+  faults_.raise();
   TiePlacer ties(placed_);
   ties.merge_surface_ties();
   sections_.finish_others();
@@ -157,19 +159,20 @@ void Placer::place(const Part& part, int scope, const Instance* instance, const 
     placed_.builder.add_node(scope, node.label,
                              instance ? Eigen::Vector3d(instance->R * node.x + instance->t) : node.x,
                              node.where);
-  for (const ElementLine& element : part.elements) {
-    std::vector<Index> nodes;
-    for (const std::int64_t label : element.nodes) {
-      if (!placed_.builder.has_node(scope, label))
-        throw std::invalid_argument(fmt::format("{}: element {} names node {}, which does not exist",
-                                                element.where.text(), element.label, label));
-      nodes.push_back(placed_.builder.node(scope, label, element.where));
-    }
-    placed_.cell_of[{scope, element.label}] =
-        placed_.builder.add_cell(scope, element.type, element.label, std::move(nodes), element.where);
-    placed_.builder.cells().back().variant = element.variant;
-  }
-  for (const OtherElement& element : part.others) place_other(element, scope);
+  for (const ElementLine& element : part.elements)
+    faults_.guard([&] {
+      std::vector<Index> nodes;
+      for (const std::int64_t label : element.nodes) {
+        if (!placed_.builder.has_node(scope, label))
+          throw std::invalid_argument(fmt::format("{}: element {} names node {}, which does not exist",
+                                                  element.where.text(), element.label, label));
+        nodes.push_back(placed_.builder.node(scope, label, element.where));
+      }
+      placed_.cell_of[{scope, element.label}] =
+          placed_.builder.add_cell(scope, element.type, element.label, std::move(nodes), element.where);
+      placed_.builder.cells().back().variant = element.variant;
+    });
+  for (const OtherElement& element : part.others) faults_.guard([&] { place_other(element, scope); });
   for (const auto& [name, labels] : part.node_sets) {
     placed_.builder.add_to_set(prefix + name, placed_.nodes_of(scope, labels));
     placed_.set_nodes[upper(prefix + name)] = placed_.nodes_of(scope, labels);
@@ -185,8 +188,10 @@ void Placer::place(const Part& part, int scope, const Instance* instance, const 
     if (!part.node_sets.contains(name))
       placed_.builder.add_to_set(prefix + name,
                                  placed_.nodes_of_elements(PlacedDeck::in_scope(scope, labels)));
-  for (const Section& section : part.sections) sections_.assign(section, part, scope, instance);
-  for (const ElementData& data : part.data) sections_.assign(data, part, scope, instance);
+  for (const Section& section : part.sections)
+    faults_.guard([&] { sections_.assign(section, part, scope, instance); });
+  for (const ElementData& data : part.data)
+    faults_.guard([&] { sections_.assign(data, part, scope, instance); });
 }
 
 void Placer::place_other(const OtherElement& element, int scope) {
@@ -197,13 +202,13 @@ void Placer::place_other(const OtherElement& element, int scope) {
   if (placed_.cell_of.contains(key) || !placed_.other_labels.insert(key).second)
     throw std::invalid_argument(fmt::format("{}: element {} is given twice; element numbers must be unique",
                                             element.where.text(), element.label));
-  if (element.type[0] == 'B' || element.type[0] == 'T') {
+  if (element.type[0] == 'B' || element.type[0] == 'T' || element.type[0] == 'U') {
     const std::size_t own = other_elements().at(element.type);
     for (std::size_t k = 0; k + 1 < own; ++k) {
       ImportedBar bar;
       bar.label = element.label;
       bar.nodes = {nodes[k], nodes[k + 1]};
-      if (element.type[0] == 'B' && nodes.size() > own)  // it gives n1 instead of the section
+      if (element.type[0] != 'T' && nodes.size() > own)  // it gives n1 instead of the section
         bar.orientation = placed_.builder.place(nodes[own]) - placed_.builder.place(nodes[0]);
       placed_.bar_of.emplace(key, std::pair{placed_.model.bars.size(), element.type});
       placed_.model.bars.push_back(bar);

@@ -136,6 +136,8 @@ BarSection shaped_section(const Keyword& k, DeckProgram program, Unused& otherwi
                       "geometry.program",
                       t_1),
           k.where);
+  } else if (type == "RECT" && dim.size() == 1) {  // CalculiX: the second thickness is that of the first
+    s = section_of_shape(type, {dim[0], dim[0]});
   } else {
     s = section_of_shape(type, dim);
   }

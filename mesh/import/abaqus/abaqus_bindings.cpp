@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 
 namespace flexura::mesh::abaqus {
@@ -65,6 +66,20 @@ void take_mpc(const Keyword& k, Deck& deck) {
 }
 
 void take_surface_tie(const Keyword& k, Deck& deck) {
+  if (k.has("CYCLIC SYMMETRY") || k.has("MULTISTAGE")) {
+    deck.otherwise.add(
+        fmt::format(
+            "*TIE, {}: left out; the superelement is that of the sector that the deck holds, with its "
+            "sides free",
+            k.has("MULTISTAGE") ? "MULTISTAGE" : "CYCLIC SYMMETRY"),
+        k.where);
+    return;
+  }
+  static const std::set<std::string> kKnown = {"NAME",        "POSITION TOLERANCE", "ADJUST",   "TYPE",
+                                               "NO ROTATION", "NO THICKNESS",       "TIED NSET"};
+  for (const auto& [name, value] : k.parameters)
+    if (!kKnown.contains(name))
+      deck.otherwise.add(fmt::format("*TIE's {} is not known: the tie is read without it", name), k.where);
   const double tolerance = k.has("POSITION TOLERANCE") ? to_real(k.get("POSITION TOLERANCE"), k.where) : 0;
   if (!(tolerance >= 0))
     throw std::invalid_argument(fmt::format("{}: *TIE has the POSITION TOLERANCE {:g}; it must be at least 0",

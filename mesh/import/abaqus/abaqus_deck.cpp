@@ -26,7 +26,9 @@ class Reader {
     const std::vector<Keyword> keywords = read_keywords(path, deck_.file_names);
     if (program_ == DeckProgram::unknown) program_ = written_for(keywords);
     deck_.parts.emplace_back();
-    for (const Keyword& keyword : keywords) take(keyword);
+    Faults faults;
+    for (const Keyword& keyword : keywords) faults.guard([&] { take(keyword); });
+    faults.raise();
     return std::move(deck_);
   }
 
@@ -37,6 +39,10 @@ class Reader {
   std::string known(const std::string& name) { return spelling_.emplace(upper(name), name).first->second; }
 
   void take(const Keyword& k) {
+    if (k.name.empty()) {
+      deck_.unused.add("(data before the first one)", k.where);
+      return;
+    }
     if (in_step_) {
       in_step_ = k.name != "END STEP";
       return;
@@ -191,7 +197,7 @@ class Reader {
       return;
     }
     if (!solid) {
-      for (const DataLine& line : k.data) {
+      for (const DataLine& line : records(k, SIZE_MAX)) {
         deck_.left_out.add(k.get("TYPE"), line.where);
         // Sections and masses can name the set all the same.
         if (k.has("ELSET") && !line.fields.empty() && as_integer(line.fields[0]))
@@ -207,10 +213,15 @@ class Reader {
       effect = solid->replaced;
     }
     const auto n = static_cast<std::size_t>(nodes_per_cell(type));
-    for (const DataLine& line : k.data) {
+    for (const DataLine& line : records(k, n + 1)) {
       if (line.fields.empty()) continue;
       ElementLine element{type, solid->variant, to_integer(line.fields[0], line.where), {}, line.where};
-      if (line.fields.size() != n + 1)
+      if (line.fields.size() > n + 1)
+        deck_.otherwise.add(
+            fmt::format("element of type {} has more entries than its {} nodes: the rest is not used",
+                        k.get("TYPE"), n),
+            line.where);
+      if (line.fields.size() < n + 1)
         throw std::invalid_argument(fmt::format("{}: element {} of type {} has {} nodes instead of {}",
                                                 line.where.text(), element.label, k.get("TYPE"),
                                                 line.fields.size() - 1, n));
@@ -228,7 +239,7 @@ class Reader {
       count += k.data.size();
       effect = "each taken as two straight ones between its nodes";
     }
-    for (const DataLine& line : k.data) {
+    for (const DataLine& line : records(k, n + 1)) {
       if (line.fields.empty()) continue;
       OtherElement element{upper(k.get("TYPE")), to_integer(line.fields[0], line.where), {}, line.where};
       // One more node of a beam gives its direction 1.
@@ -236,7 +247,8 @@ class Reader {
         throw std::invalid_argument(fmt::format("{}: element {} of type {} has {} nodes instead of {}",
                                                 line.where.text(), element.label, element.type,
                                                 line.fields.size() - 1, n));
-      for (std::size_t i = 1; i < line.fields.size() && i <= n + (element.type[0] == 'B' ? 1 : 0); ++i)
+      for (std::size_t i = 1;
+           i < line.fields.size() && i <= n + (element.type[0] == 'B' || element.type[0] == 'U' ? 1 : 0); ++i)
         if (!line.fields[i].empty()) element.nodes.push_back(to_integer(line.fields[i], line.where));
       if (k.has("ELSET")) part.element_sets[known(k.get("ELSET"))].push_back(element.label);
       part.others.push_back(std::move(element));

@@ -34,7 +34,8 @@ struct NodeLine {
 /// Of *SHELL SECTION, COMPOSITE.
 struct Layer {
   std::string material;
-  double thickness, angle;  // [rad]
+  double thickness, angle;       // [rad]
+  std::string orientation = {};  // instead of the section's
 };
 struct Section {
   std::string set, material;

@@ -54,21 +54,11 @@ class KeywordReader {
       line = plain_line(std::move(line), where);
       if (line.rfind("**", 0) == 0 || trimmed(line).empty()) continue;
       if (line[0] != '*') {
+        if (keywords.empty()) keywords.push_back({where, "", {}, {}});
         std::vector<std::string> fields = split(line);
-        const bool goes_on = !trimmed(line).empty() && trimmed(line).back() == ',';
-        if (keywords.empty())
-          throw std::invalid_argument(where.text() +
-                                      ": data before the first keyword; not an Abaqus input file?");
-        if (continued_data_)
-          keywords.back().data.back().fields.insert(keywords.back().data.back().fields.end(), fields.begin(),
-                                                    fields.end());
-        else
-          keywords.back().data.push_back({where, std::move(fields)});
-        // Only element definitions run over several lines.
-        continued_data_ = goes_on && keywords.back().name == "ELEMENT";
+        keywords.back().data.push_back({where, std::move(fields), goes_on(line)});
         continue;
       }
-      continued_data_ = false;
       std::string more;
       while (goes_on(line) && std::getline(file, more)) {  // keyword lines go on after a comma
         ++number;
@@ -80,8 +70,7 @@ class KeywordReader {
       }
       Keyword keyword{where, "", {}, {}};
       const std::vector<std::string> fields = split(std::string_view(line).substr(1));
-      if (fields.empty())
-        throw std::invalid_argument(where.text() + ": a keyword line without a keyword behind its *");
+      if (fields.empty()) continue;  // a star alone: no keyword
       keyword.name = upper(fields[0]);
       for (std::size_t k = 1; k < fields.size(); ++k) {
         const std::size_t equals = fields[k].find('=');
@@ -98,7 +87,6 @@ class KeywordReader {
 
  private:
   DeckFiles files_;
-  bool continued_data_ = false;
 };
 
 }  // namespace
@@ -145,6 +133,19 @@ const std::string& field(const Keyword& k, std::size_t line, std::size_t column)
     throw std::invalid_argument(fmt::format("{}: *{} wants {} numbers on data line {}", k.where.text(),
                                             k.name, column + 1, line + 1));
   return k.data[line].fields[column];
+}
+
+std::vector<DataLine> records(const Keyword& k, std::size_t n) {
+  std::vector<DataLine> out;
+  bool goes_on = false;
+  for (const DataLine& line : k.data) {
+    if (goes_on)
+      out.back().fields.insert(out.back().fields.end(), line.fields.begin(), line.fields.end());
+    else
+      out.push_back(line);
+    goes_on = line.goes_on && out.back().fields.size() < n;
+  }
+  return out;
 }
 
 std::vector<double> numbers_of(const Keyword& k, std::size_t line) {

@@ -22,6 +22,7 @@ std::optional<std::int64_t> as_integer(const std::string& text);  ///< nothing w
 struct DataLine {
   Where where;
   std::vector<std::string> fields;
+  bool goes_on = false;  ///< it ends in a comma
 };
 
 /// A keyword line with its parameters and the data lines that follow it.
@@ -37,11 +38,14 @@ struct Keyword {
   }
 };
 
-/// Comments left out, continuation lines joined, *INCLUDE followed.  `names` keeps file names alive.
+/// Comments left out, keyword lines joined, *INCLUDE followed; data before the first keyword come as a keyword without name.  `names` keeps file names alive.
 std::vector<Keyword> read_keywords(const std::filesystem::path& path, std::set<std::string>& names);
 
 /// An entry of a data line, both counted from 0.  Throws std::invalid_argument where it is not there.
 const std::string& field(const Keyword& k, std::size_t line, std::size_t column);
+/// The data lines where a record of at least n entries goes on in the next line after a comma; what a line has beyond a
+/// comma at its end is no reason to.
+std::vector<DataLine> records(const Keyword& k, std::size_t n);
 /// The numbers of a data line, 0 for empty entries; none where there is no such line.
 std::vector<double> numbers_of(const Keyword& k, std::size_t line);
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 #include <stdexcept>
 
@@ -171,8 +172,26 @@ void note_other_rows(const Keyword& k, std::size_t n, Deck& deck) {
         k.where);
 }
 
+/// ORTHOTROPIC and ANISOTROPIC: the upper triangle of the stiffness by columns, in the order 11, 22, 33, 12, 13, 23; the
+/// first has no entries between directions and shear, and none between shears.
+void take_stiffness(const Keyword& k, bool orthotropic, ImportedMaterial& material, Deck& deck) {
+  static constexpr std::array<Eigen::Index, 6> kOurs = {0, 1, 2, 3, 5, 4};
+  note_other_rows(k, orthotropic ? 9 : 21, deck);
+  material.orthotropic = true;
+  material.stiffness.setZero();
+  std::size_t at = 0;
+  for (std::size_t column = 0; column < 6; ++column)
+    for (std::size_t row = 0; row <= column; ++row) {
+      if (orthotropic && column > 2 && row < column) continue;
+      const double value = to_real(field(k, at / 8, at % 8), k.where);
+      ++at;
+      material.stiffness(kOurs[row], kOurs[column]) = material.stiffness(kOurs[column], kOurs[row]) = value;
+    }
+}
+
 void take_elastic(const Keyword& k, ImportedMaterial& material, Deck& deck) {
   material.orthotropic = false;
+  material.stiffness.setZero();
   deck.laminae.erase(material.name);
   const std::string type = upper(k.has("TYPE") ? k.get("TYPE") : "ISOTROPIC");
   if (type == "ISOTROPIC" || type == "ISO") {
@@ -192,10 +211,13 @@ void take_elastic(const Keyword& k, ImportedMaterial& material, Deck& deck) {
     material.orthotropic = true;
     material.engineering << c[0], c[1], c[1], c[2], 0, 0, c[3], c[4], c[5];
     deck.laminae.insert(material.name);
+  } else if (type == "ORTHOTROPIC" || type == "ORTHO" || type == "ANISOTROPIC" || type == "ANISO") {
+    take_stiffness(k, type[0] == 'O', material, deck);
   } else {
-    throw std::invalid_argument(
-        fmt::format("{}: *ELASTIC, TYPE={} is not read; isotropic, engineering constants and LAMINA are",
-                    k.where.text(), type));
+    throw std::invalid_argument(fmt::format(
+        "{}: *ELASTIC, TYPE={} is not read; isotropic, engineering constants, orthotropic, anisotropic and "
+        "LAMINA are",
+        k.where.text(), type));
   }
 }
 

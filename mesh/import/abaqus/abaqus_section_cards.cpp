@@ -35,12 +35,10 @@ void take_layers(const Keyword& k, const Known& known, Section& section) {
       throw std::invalid_argument(line.where.text() + ": a layer of *" + k.name + " names no material");
     if (line.fields.size() > 3 && !line.fields[3].empty()) {
       const char first = line.fields[3][0];
-      if (std::isalpha(static_cast<unsigned char>(first)) || first == '"')
-        throw std::invalid_argument(
-            fmt::format("{}: a layer of *{} has the orientation {}; angles in degrees against the section's "
-                        "ORIENTATION are read",
-                        line.where.text(), k.name, line.fields[3]));
-      layer.angle = to_real(line.fields[3], line.where) * std::numbers::pi / 180;
+      if (std::isalpha(static_cast<unsigned char>(first)) || first == '_')
+        layer.orientation = upper(line.fields[3]);
+      else
+        layer.angle = to_real(line.fields[3], line.where) * std::numbers::pi / 180;
     }
     section.layers.push_back(layer);
   }
@@ -82,7 +80,15 @@ Section beam_section(const Keyword& k, DeckProgram program, const Known& known, 
   const std::string type = upper(k.has("SECTION") ? k.get("SECTION") : "GENERAL");
   const std::vector<double> dim = numbers_of(k, 0), n1 = numbers_of(k, 1);
   try {
-    if (k.name == "BEAM GENERAL SECTION" && type == "GENERAL") {
+    if (k.name == "BEAM SECTION" && type == "GENERAL") {  // CalculiX' beam U1: A, I11, I12, I22, shear factor
+      if (dim.size() < 4) throw std::invalid_argument("A, I11, I12 and I22 are wanted");
+      const double shear = dim.size() > 4 ? dim[4] : 0.0;
+      section.bar =
+          BarSection{.A = dim[0], .I_yy = dim[1], .I_zz = dim[3], .I_yz = dim[2], .J = dim[1] + dim[3]};
+      section.bar->kappa_y = section.bar->kappa_z = shear;
+      deck.otherwise.add("*BEAM SECTION, SECTION=GENERAL has no torsion constant: I11 + I22 is taken",
+                         k.where);
+    } else if (k.name == "BEAM GENERAL SECTION" && type == "GENERAL") {
       if (dim.size() < 5) throw std::invalid_argument("A, I11, I12, I22 and J are wanted");
       section.bar = BarSection{.A = dim[0], .I_yy = dim[1], .I_zz = dim[3], .I_yz = dim[2], .J = dim[4]};
     } else {
@@ -110,13 +116,17 @@ Section beam_section(const Keyword& k, DeckProgram program, const Known& known, 
 
 bool gives_section(const std::string& name) {
   return name == "SOLID SECTION" || name == "SHELL SECTION" || name == "SHELL GENERAL SECTION" ||
-         name == "BEAM SECTION" || name == "BEAM GENERAL SECTION";
+         name == "MEMBRANE SECTION" || name == "USER SECTION" || name == "BEAM SECTION" ||
+         name == "BEAM GENERAL SECTION";
 }
 
 Section section_of(const Keyword& k, DeckProgram program,
                    const std::function<std::string(const std::string&)>& known, Deck& deck) {
   if (k.name == "SOLID SECTION") return solid_section(k, known);
-  return k.name.starts_with("SHELL") ? shell_section(k, known, deck) : beam_section(k, program, known, deck);
+  // Of *USER SECTION (CalculiX' shell US3) the first constant is the thickness.
+  return k.name.starts_with("SHELL") || k.name == "MEMBRANE SECTION" || k.name == "USER SECTION"
+             ? shell_section(k, known, deck)
+             : beam_section(k, program, known, deck);
 }
 
 }  // namespace flexura::mesh::abaqus

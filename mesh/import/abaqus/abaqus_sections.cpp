@@ -56,7 +56,8 @@ Index SectionPlacer::found_material(const std::string& name, const Where& where)
   return static_cast<Index>(material - placed_.model.materials.begin());
 }
 
-Index SectionPlacer::laminate_along(const Section& section, const Eigen::Matrix3d& axes) {
+Index SectionPlacer::laminate_along(const Section& section, const Eigen::Matrix3d& axes,
+                                    const LayerAxes& of_layer) {
   ImportedMaterial whole;
   whole.name = "layers of " + section.set;
   whole.R = axes;
@@ -64,10 +65,12 @@ Index SectionPlacer::laminate_along(const Section& section, const Eigen::Matrix3
     const Index material = found_material(layer.material, section.where);
     const bool orthotropic = placed_.model.materials[static_cast<std::size_t>(material)].orthotropic;
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(layer.angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    whole.plies.push_back({orthotropic ? material_along(material, axes * turn) : material, layer.thickness});
+    const Eigen::Matrix3d& own = layer.orientation.empty() ? axes : of_layer(layer.orientation);
+    whole.plies.push_back({orthotropic ? material_along(material, own * turn) : material, layer.thickness});
   }
   std::string key = section.where.text();
   for (const double c : axes.reshaped()) key += fmt::format(" {:.0f}", std::round(1e12 * c) + 0.0);
+  for (const ImportedPly& ply : whole.plies) key += fmt::format(" {}", ply.material);
   const auto [found, fresh] =
       turned_.emplace(std::pair{whole.name, key}, static_cast<Index>(placed_.model.materials.size()));
   if (fresh) placed_.model.materials.push_back(std::move(whole));
@@ -106,7 +109,10 @@ void SectionPlacer::assign(const Section& section, const Part& part, int scope, 
       if (layered && dimension_of(cell.type) == 3)
         throw std::invalid_argument(
             fmt::format("{}: solid element {} has the section of a shell", section.where.text(), label));
-      cell.material = layered       ? laminate_along(section, material_axes(cell, axes, instance))
+      const LayerAxes of_layer = [&](const std::string& name) {
+        return material_axes(cell, &placed_.found_orientation(name, part.name, section.where), instance);
+      };
+      cell.material = layered       ? laminate_along(section, material_axes(cell, axes, instance), of_layer)
                       : orthotropic ? material_along(index, material_axes(cell, axes, instance))
                                     : index;
       cell.thickness = section.thickness;

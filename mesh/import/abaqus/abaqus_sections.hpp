@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -27,7 +28,8 @@ class SectionPlacer {
                                 const Instance* instance) const;
   Index found_material(const std::string& name, const Where& where) const;
   /// The layers of a section in these axes.
-  Index laminate_along(const Section& section, const Eigen::Matrix3d& axes);
+  using LayerAxes = std::function<Eigen::Matrix3d(const std::string& orientation)>;
+  Index laminate_along(const Section& section, const Eigen::Matrix3d& axes, const LayerAxes& of_layer);
   /// The material along these axes: itself, or a copy.
   Index material_along(Index material, const Eigen::Matrix3d& axes);
   void assign_spring(const ElementData& data, ImportedSpring& to, const Eigen::Matrix3d& axes);

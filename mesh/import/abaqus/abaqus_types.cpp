@@ -60,9 +60,14 @@ std::optional<SolidType> shell_type(const std::string& name) {
       {"STRI3", CellType::tri3}, {"S4", CellType::quad4},    {"S4R", CellType::quad4},
       {"S4RS", CellType::quad4}, {"S4RSW", CellType::quad4}, {"S4R5", CellType::quad4},
       {"S8", CellType::quad8},   {"S8R", CellType::quad8},   {"S8R5", CellType::quad8},
-      {"S6", CellType::tri6},    {"STRI65", CellType::tri6}};
-  const auto found = kTypes.find(upper(name));
+      {"S6", CellType::tri6},    {"STRI65", CellType::tri6}, {"US3", CellType::tri3},
+      {"M3D3", CellType::tri3},  {"M3D4", CellType::quad4},  {"M3D4R", CellType::quad4},
+      {"M3D6", CellType::tri6},  {"M3D8", CellType::quad8},  {"M3D8R", CellType::quad8}};
+  const std::string type = upper(name);
+  const auto found = kTypes.find(type);
   if (found == kTypes.end()) return {};
+  if (type[0] == 'M')
+    return SolidType{found->second, CellVariant::standard, "taken as shells, which resist bending as well"};
   const bool quadratic = found->second == CellType::quad8 || found->second == CellType::tri6;
   return SolidType{found->second, CellVariant::standard, quadratic ? ModelBuilder::split_shells() : ""};
 }
@@ -77,10 +82,10 @@ std::vector<std::int64_t> in_mesh_order(CellType type, const std::vector<std::in
 
 const std::map<std::string, std::size_t>& other_elements() {
   static const std::map<std::string, std::size_t> kTypes = {
-      {"B31", 2},     {"B31H", 2},     {"B31R", 2},     {"B33", 2},     {"B33H", 2},
-      {"B32", 3},     {"B32H", 3},     {"B32R", 3},     {"T3D2", 2},    {"T3D2H", 2},
-      {"T3D3", 3},    {"MASS", 1},     {"ROTARYI", 1},  {"SPRINGA", 2}, {"SPRING1", 1},
-      {"SPRING2", 2}, {"DASHPOTA", 2}, {"DASHPOT1", 1}, {"DASHPOT2", 2}};
+      {"B31", 2},     {"U1", 2},      {"B31H", 2},     {"B31R", 2},     {"B33", 2},
+      {"B33H", 2},    {"B32", 3},     {"B32H", 3},     {"B32R", 3},     {"T3D2", 2},
+      {"T3D2H", 2},   {"T3D3", 3},    {"MASS", 1},     {"ROTARYI", 1},  {"SPRINGA", 2},
+      {"SPRING1", 1}, {"SPRING2", 2}, {"DASHPOTA", 2}, {"DASHPOT1", 1}, {"DASHPOT2", 2}};
   return kTypes;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <set>
 #include <stdexcept>
@@ -31,6 +32,7 @@ class NastranReader {
   /// PARAM,WTMASS: all masses times it.  Read in the bulk data and in the case control.
   void read_parameters();
   void read_materials();
+  void read_anisotropic();
   void read_grids();
   void read_masses();
   void read_dofs();
@@ -47,17 +49,20 @@ class NastranReader {
 
 ImportedModel NastranReader::read() {
   deck_.mark_read("GRDSET");
-  read_parameters();
-  read_materials();
-  read_grids();
-  NastranSolids(deck_).read();
-  NastranShells(deck_).read();
-  NastranBars(deck_).read();
-  NastranSprings(deck_).read();
+  Faults& faults = deck_.faults;
+  faults.guard([&] { read_parameters(); });
+  faults.guard([&] { read_materials(); });
+  faults.guard([&] { read_grids(); });
+  faults.raise();
+  faults.guard([&] { NastranSolids(deck_).read(); });
+  faults.guard([&] { NastranShells(deck_).read(); });
+  faults.guard([&] { NastranBars(deck_).read(); });
+  faults.guard([&] { NastranSprings(deck_).read(); });
   NastranConstraints constraints(deck_);
-  constraints.read(path_);
-  read_masses();
-  read_dofs();
+  faults.guard([&] { constraints.read(path_); });
+  faults.guard([&] { read_masses(); });
+  faults.guard([&] { read_dofs(); });
+  faults.raise();
   constraints.note_turning_weights();
   report();
   require_elements();
@@ -74,9 +79,9 @@ void NastranReader::report() {
   for (const std::string& message : deck_.unused.messages("card")) deck_.model.messages.push_back(message);
   // Elements with stiffness, mass or damping that are not read; gaps and plot elements have none.
   static const std::set<std::string> kElements = {
-      "CQUAD", "CQUADX",  "CTRIAX",  "CTRIAX6", "CSHEAR", "CBEND",  "CBEAM3", "CWELD",
-      "CFAST", "CSEAM",   "CELAS3",  "CELAS4",  "CMASS1", "CMASS2", "CMASS3", "CMASS4",
-      "CONM1", "CBUSH1D", "CCONEAX", "GENEL",   "CDAMP3", "CDAMP4", "CDAMP5"};
+      "CQUAD", "CQUADX",  "CTRIAX", "CTRIAX6", "CSHEAR", "CBEND",  "CBEAM3", "CWELD",
+      "CFAST", "CSEAM",   "CELAS3", "CELAS4",  "CMASS1", "CMASS2", "CMASS3", "CMASS4",
+      "CONM1", "CCONEAX", "GENEL",  "CDAMP3",  "CDAMP4", "CDAMP5"};
   Unused left_out;
   for (const Card& card : deck_.cards())
     if (!deck_.is_read(card) && kElements.contains(card.name)) left_out.add(card.name, card.where);
@@ -138,6 +143,7 @@ void NastranReader::read_materials() {
     }
     deck_.add_material(id, false, material, card->where);
   }
+  read_anisotropic();
   for (const Card* card :
        deck_.all("MAT8")) {  // plane stress: what a shell has across its plane plays no part
     const std::int64_t id = card->integer(0);
@@ -151,6 +157,45 @@ void NastranReader::read_materials() {
                                   card->real(5, G12), card->real(6, G12)}};
     material.loss = card->real(16, 0);
     require_not_negative(material.loss, fmt::format("MAT8 {}", id), "damping GE", card->where);
+    deck_.add_material(id, true, material, card->where);
+  }
+}
+
+// MAT9 and MAT11 of solids, MAT2 of shells.
+void NastranReader::read_anisotropic() {
+  for (const Card* card : deck_.all("MAT9")) {
+    const std::int64_t id = card->integer(0);
+    ImportedMaterial material{.name = std::to_string(id), .rho = card->real(22, 0), .orthotropic = true};
+    std::size_t at = 1;  // the upper triangle by rows, xx, yy, zz, xy, yz, zx as here
+    for (Eigen::Index row = 0; row < 6; ++row)
+      for (Eigen::Index column = row; column < 6; ++column)
+        material.stiffness(row, column) = material.stiffness(column, row) = card->real(at++, 0);
+    material.loss = card->real(30, 0);
+    require_not_negative(material.loss, fmt::format("MAT9 {}", id), "damping GE", card->where);
+    deck_.add_material(id, false, material, card->where);
+  }
+  for (const Card* card : deck_.all("MAT11")) {
+    const std::int64_t id = card->integer(0);
+    ImportedMaterial material{.name = std::to_string(id), .rho = card->real(10, 0), .orthotropic = true};
+    for (std::size_t k = 0; k < 9; ++k)
+      material.engineering[static_cast<Eigen::Index>(k)] = card->real(1 + k);
+    material.loss = card->real(15, 0);
+    require_not_negative(material.loss, fmt::format("MAT11 {}", id), "damping GE", card->where);
+    deck_.add_material(id, false, material, card->where);
+  }
+  for (const Card* card : deck_.all("MAT2")) {
+    const std::int64_t id = card->integer(0);
+    ImportedMaterial material{.name = std::to_string(id), .rho = card->real(7, 0), .orthotropic = true};
+    static constexpr std::array<Eigen::Index, 3> kPlane = {0, 1, 3};
+    std::size_t at = 1;
+    for (std::size_t row = 0; row < 3; ++row)
+      for (std::size_t column = row; column < 3; ++column)
+        material.stiffness(kPlane[row], kPlane[column]) = material.stiffness(kPlane[column], kPlane[row]) =
+            card->real(at++, 0);
+    // Across the plane, which plays no part in plane stress; shear there is that of the plane.
+    material.stiffness(2, 2) = material.stiffness(0, 0);
+    material.stiffness(4, 4) = material.stiffness(5, 5) = material.stiffness(3, 3);
+    deck_.approximated.add("MAT2: shear deformation across the shell is that of G33", card->where);
     deck_.add_material(id, true, material, card->where);
   }
 }

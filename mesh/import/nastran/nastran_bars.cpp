@@ -191,44 +191,45 @@ std::string NastranBars::axes_of_vectors(const Card& card, const Card* defaults)
 }
 
 void NastranBars::read() {
-  read_bars();
-  read_rods();
-  read_tubes();
+  deck_.faults.guard([&] { read_bars(); });
+  deck_.faults.guard([&] { read_rods(); });
+  deck_.faults.guard([&] { read_tubes(); });
 }
 
 void NastranBars::read_bars() {
   for (const char* name : {"CBAR", "CBEAM"}) {
     const std::vector<const Card*>& given = deck_.all(std::string(name) == "CBAR" ? "BAROR" : "BEAMOR");
     const Card* defaults = given.empty() ? nullptr : given.front();
-    for (const Card* card : deck_.all(name)) {
-      const std::int64_t id = card->integer(0);
-      ImportedBar bar = section(card->integer(1, defaults ? defaults->integer(1, id) : id), *card);
-      bar.label = id;
-      bar.nodes = {deck_.node(card->integer(2), card->where), deck_.node(card->integer(3), card->where)};
-      const Vector3d a = deck_.systems.grid_place(card->integer(2), card->where),
-                     x = deck_.systems.grid_place(card->integer(3), card->where) - a;
-      const std::string offt = axes_of_vectors(*card, defaults);
-      const bool has_own = !(card->blank(4) && card->blank(5) && card->blank(6));
-      bar.orientation = deck_.orientation(
-          has_own || !defaults ? *card : *defaults, a,
-          offt[0] == 'B' ? Eigen::Matrix3d::Identity() : deck_.axes_at(card->integer(2), card->where));
-      Eigen::Matrix3d own;  // of the element
-      const Vector3d z = x.cross(bar.orientation).normalized();
-      own << x.normalized(), z.cross(x.normalized()), z;
-      for (std::size_t end = 0; end < 2; ++end) {
-        const Vector3d offset(card->real(10 + 3 * end, 0), card->real(11 + 3 * end, 0),
-                              card->real(12 + 3 * end, 0));
-        if (!offset.isZero(0.0))
-          bar.offset[end] =
-              (offt[1 + end] == 'O' ? own : deck_.axes_at(card->integer(2 + end), card->where)) * offset;
-      }
-      bar.released = {components(card->text(8), *card), components(card->text(9), *card)};
-      if (!(bar.orientation.norm() > 0))
-        throw std::invalid_argument(
-            fmt::format("{}: {} {} has no orientation vector", card->where.text(), name, id));
-      require_section(bar, fmt::format("{} {}", name, id), card->where);
-      deck_.model.bars.push_back(bar);
-    }
+    for (const Card* card : deck_.all(name))
+      deck_.faults.guard([&] {
+        const std::int64_t id = card->integer(0);
+        ImportedBar bar = section(card->integer(1, defaults ? defaults->integer(1, id) : id), *card);
+        bar.label = id;
+        bar.nodes = {deck_.node(card->integer(2), card->where), deck_.node(card->integer(3), card->where)};
+        const Vector3d a = deck_.systems.grid_place(card->integer(2), card->where),
+                       x = deck_.systems.grid_place(card->integer(3), card->where) - a;
+        const std::string offt = axes_of_vectors(*card, defaults);
+        const bool has_own = !(card->blank(4) && card->blank(5) && card->blank(6));
+        bar.orientation = deck_.orientation(
+            has_own || !defaults ? *card : *defaults, a,
+            offt[0] == 'B' ? Eigen::Matrix3d::Identity() : deck_.axes_at(card->integer(2), card->where));
+        Eigen::Matrix3d own;  // of the element
+        const Vector3d z = x.cross(bar.orientation).normalized();
+        own << x.normalized(), z.cross(x.normalized()), z;
+        for (std::size_t end = 0; end < 2; ++end) {
+          const Vector3d offset(card->real(10 + 3 * end, 0), card->real(11 + 3 * end, 0),
+                                card->real(12 + 3 * end, 0));
+          if (!offset.isZero(0.0))
+            bar.offset[end] =
+                (offt[1 + end] == 'O' ? own : deck_.axes_at(card->integer(2 + end), card->where)) * offset;
+        }
+        bar.released = {components(card->text(8), *card), components(card->text(9), *card)};
+        if (!(bar.orientation.norm() > 0))
+          throw std::invalid_argument(
+              fmt::format("{}: {} {} has no orientation vector", card->where.text(), name, id));
+        require_section(bar, fmt::format("{} {}", name, id), card->where);
+        deck_.model.bars.push_back(bar);
+      });
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace flexura::mesh {
@@ -67,7 +69,7 @@ void NastranDeck::add_material(std::int64_t id, bool lamina, ImportedMaterial ma
 Index NastranDeck::material(std::int64_t id, const Where& where) const {
   const auto found = material_.find(id);
   if (found == material_.end()) {
-    for (const char* name : {"MAT2", "MAT3", "MAT8", "MAT9", "MAT10", "MAT11", "MATORT"})
+    for (const char* name : {"MAT2", "MAT3", "MAT8", "MAT10", "MATORT"})
       if (const auto cards = by_name_.find(name); cards != by_name_.end())
         for (const Card* card : cards->second)
           if (card->integer(0) == id)
@@ -76,7 +78,9 @@ Index NastranDeck::material(std::int64_t id, const Where& where) const {
                 "without "
                 "materials",
                 where.text(), id, name,
-                std::string(name) == "MAT8" ? "of shells (PSHELL, PCOMP) alone" : "not read", id));
+                std::string(name) == "MAT8" || std::string(name) == "MAT2" ? "of shells (PSHELL, PCOMP) alone"
+                                                                           : "not read",
+                id));
     throw std::invalid_argument(fmt::format("{}: material {} is not defined", where.text(), id));
   }
   return found->second;
@@ -85,6 +89,24 @@ Index NastranDeck::material(std::int64_t id, const Where& where) const {
 Index NastranDeck::shell_material(std::int64_t id, const Where& where) const {
   const auto lamina = lamina_.find(id);
   return lamina != lamina_.end() ? lamina->second : material(id, where);
+}
+
+Index NastranDeck::material_along(Index material, const Eigen::Matrix3d& axes) {
+  if (!model.materials[static_cast<std::size_t>(material)].orthotropic) return material;
+  std::string key;
+  for (const double c : axes.reshaped()) key += fmt::format("{:.0f} ", std::round(1e12 * c) + 0.0);
+  const auto [at, fresh] =
+      turned_.emplace(std::pair{material, key}, static_cast<Index>(model.materials.size()));
+  if (fresh) {
+    ImportedMaterial copy = model.materials[static_cast<std::size_t>(material)];
+    copy.R = axes;
+    model.materials.push_back(std::move(copy));
+  }
+  return at->second;
+}
+
+bool NastranDeck::is_fluid(std::int64_t material) const {
+  return std::ranges::any_of(given("MAT10"), [&](const Card* card) { return card->integer(0) == material; });
 }
 
 Eigen::Matrix3d NastranDeck::axes_at(std::int64_t grid, const Where& where) {

@@ -39,6 +39,10 @@ class NastranDeck {
   /// Throws std::invalid_argument where it is not defined.
   Index material(std::int64_t id, const Where& where) const;
   Index shell_material(std::int64_t id, const Where& where) const;
+  /// The material with directions along these axes (columns): a copy, or itself where it has none.
+  Index material_along(Index material, const Eigen::Matrix3d& axes);
+  /// Whether it is one of a fluid (MAT10).
+  bool is_fluid(std::int64_t material) const;
 
   Index node(std::int64_t grid, const Where& where) const { return builder.node(0, grid, where); }
   /// Columns: the displacement axes of a GRID (CD).
@@ -51,6 +55,7 @@ class NastranDeck {
   ImportedModel model;
   ModelBuilder builder;
   Unused unused, approximated;
+  Faults faults;
   NastranSystems systems;
 
  private:
@@ -60,7 +65,8 @@ class NastranDeck {
   Implied implied_;
   std::vector<Card> cards_;
   std::map<std::string, std::vector<const Card*>> by_name_;
-  std::map<std::int64_t, Index> material_, lamina_;  // lamina: MAT8
+  std::map<std::int64_t, Index> material_, lamina_;        // lamina: MAT2, MAT8
+  std::map<std::pair<Index, std::string>, Index> turned_;  // materials along other axes
 };
 
 }  // namespace flexura::mesh

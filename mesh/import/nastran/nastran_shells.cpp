@@ -28,16 +28,19 @@ std::string key_of(const Eigen::Matrix3d& axes) {
 }  // namespace
 
 NastranShells::ShellProperty NastranShells::layered_property(const Card& card) {
-  const std::string of = fmt::format("PCOMP {}", card.integer(0)), option = card.text(7);
+  const std::string of = fmt::format("{} {}", card.name, card.integer(0)), option = card.text(7);
   if (!option.empty() && option != "SYM")
     throw std::invalid_argument(fmt::format("{}: {} has LAM {}, which is not read; SYM and blank are",
                                             card.where.text(), of, option));
   if (card.real(6, 0) != 0)
-    deck_.approximated.add("PCOMP's GE: the loss factors of the layers' materials are used", card.where);
+    deck_.approximated.add(card.name + "'s GE: the loss factors of the layers' materials are used",
+                           card.where);
   std::vector<ShellLayer> layers;
   std::int64_t mid = 0;
   double thickness = 0, whole = 0;
-  for (std::size_t k = 8; k < card.fields.size(); k += 4) {
+  // PCOMPG: a line for each layer, its number first.
+  const bool numbered = card.name == "PCOMPG";
+  for (std::size_t k = numbered ? 9 : 8; k < card.fields.size(); k += numbered ? 8 : 4) {
     if (card.blank(k) && card.blank(k + 1) && card.blank(k + 2)) continue;
     if (!card.blank(k)) mid = card.integer(k);  // blank: as the layer below
     if (!card.blank(k + 1)) thickness = card.real(k + 1);
@@ -91,11 +94,9 @@ Eigen::Matrix3d NastranShells::axes_of_shell(const Card& card, const std::vector
   double angle = 0;
   if (!card.blank(place) && !card.is_real(place)) {
     const NastranSystem& system = deck_.systems.system(card.integer(place), card.where);
-    if (system.kind != 'R')
-      throw std::invalid_argument(
-          fmt::format("{}: MCID {} of {} {} is a cylindrical or spherical system; rectangular ones are read",
-                      card.where.text(), card.integer(place), card.name, card.integer(0)));
-    along = system.R.col(0);
+    Vector3d middle = Vector3d::Zero();
+    for (std::size_t k = 0; k < n_corners; ++k) middle += at(k) / static_cast<double>(n_corners);
+    along = system.axes_at(middle).col(0);
   } else {
     angle = card.real(place, 0) * std::numbers::pi / 180;
   }
@@ -111,16 +112,8 @@ Eigen::Matrix3d NastranShells::axes_of_shell(const Card& card, const std::vector
 }
 
 Index NastranShells::material_along(Index material, const Eigen::Matrix3d& axes, double angle) {
-  if (!deck_.model.materials[static_cast<std::size_t>(material)].orthotropic) return material;
-  const Eigen::Matrix3d R = axes * Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
-  const auto [turned, fresh] =
-      turned_.emplace(std::pair{material, key_of(R)}, static_cast<Index>(deck_.model.materials.size()));
-  if (fresh) {
-    ImportedMaterial copy = deck_.model.materials[static_cast<std::size_t>(material)];
-    copy.R = R;
-    deck_.model.materials.push_back(std::move(copy));
-  }
-  return turned->second;
+  return deck_.material_along(material,
+                              axes * Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix());
 }
 
 Index NastranShells::material_of_shell(const ShellProperty& property, const Card& card,
@@ -144,10 +137,21 @@ Index NastranShells::material_of_shell(const ShellProperty& property, const Card
 
 void NastranShells::read() {
   std::map<std::int64_t, ShellProperty> properties;
-  for (const Card* card : deck_.all("PSHELL")) properties.emplace(card->integer(0), shell_property(*card));
-  for (const Card* card : deck_.all("PCOMP")) properties.emplace(card->integer(0), layered_property(*card));
-  std::set<std::int64_t> layered;
-  for (const Card* card : deck_.given("PCOMPG")) layered.insert(card->integer(0));
+  std::set<std::int64_t> passed;  // fluids, and what is faulty
+  for (const char* name : {"PSHELL", "PCOMP", "PCOMPG"})
+    for (const Card* card : deck_.all(name)) {
+      const std::int64_t id = card->integer(0);
+      if (std::string(name) == "PSHELL" && !card->blank(1) && deck_.is_fluid(card->integer(1))) {
+        passed.insert(id);
+        continue;
+      }
+      deck_.faults.guard([&] {
+        passed.insert(id);
+        properties.emplace(id,
+                           std::string(name) == "PSHELL" ? shell_property(*card) : layered_property(*card));
+        passed.erase(id);
+      });
+    }
   // Where the nodes end, there stand: THETA or MCID, ZOFFS; TFLAG and the corners' thicknesses.
   struct ShellCard {
     CellType type;
@@ -167,11 +171,13 @@ void NastranShells::read() {
     const auto n_nodes = static_cast<std::size_t>(nodes_per_cell(places.type)),
                n = static_cast<std::size_t>(shape_of(places.type).corners);
     const std::int64_t id = card.integer(0), property = card.integer(1, id);
+    if (passed.contains(property)) continue;
     const auto section = properties.find(property);
-    if (section == properties.end())
-      throw std::invalid_argument(fmt::format(
-          "{}: property {} of {} {} is no PSHELL or PCOMP of this file{}", card.where.text(), property,
-          card.name, id, layered.contains(property) ? "; PCOMPG is not read: give a PCOMP" : ""));
+    if (section == properties.end()) {
+      deck_.faults.add(fmt::format("{}: property {} of {} {} is no PSHELL, PCOMP or PCOMPG of this file",
+                                   card.where.text(), property, card.name, id));
+      continue;
+    }
     std::vector<Index> nodes(n_nodes, -1);
     for (std::size_t k = 0; k < n_nodes; ++k)  // mid-side nodes may be left out
       if (k < n || (!card.blank(2 + k) && card.integer(2 + k) != 0))

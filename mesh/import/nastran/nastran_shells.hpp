@@ -43,7 +43,6 @@ class NastranShells {
                           std::size_t n_corners, std::size_t place);
 
   NastranDeck& deck_;
-  std::map<std::pair<Index, std::string>, Index> turned_;           // materials along other axes
   std::map<std::pair<std::string, std::string>, Index> laminates_;  // by the property's name and the axes
 };
 

@@ -39,13 +39,34 @@ const std::map<std::string, SolidCard>& solid_cards() {
 
 void NastranSolids::read_properties() {
   for (const Card* card : deck_.all("PSOLID")) {
-    property_[card->integer(0)] = deck_.material(card->integer(1), card->where);
-    if (card->text(6) == "PFLUID")
-      throw std::invalid_argument(fmt::format("{}: PSOLID {} is a fluid (PFLUID); structures are read",
-                                              card->where.text(), card->integer(0)));
+    const std::int64_t id = card->integer(0);
+    if (card->text(6) == "PFLUID" || deck_.is_fluid(card->integer(1))) {
+      fluids_.insert(id);
+      continue;
+    }
+    faulty_.insert(id);
+    deck_.faults.guard([&] {
+      property_.emplace(
+          id, Property{deck_.material(card->integer(1), card->where), card->integer(2, 0), card->where});
+      faulty_.erase(id);
+    });
     if (card->text(3) == "BUBBLE" || card->text(3) == "0") bubbles_.insert(card->integer(0));
     if (card->text(3).empty()) no_scheme_.insert(card->integer(0));
   }
+}
+
+Index NastranSolids::material_of(const Property& property, const std::vector<Index>& nodes) {
+  if (!deck_.model.materials[static_cast<std::size_t>(property.material)].orthotropic)
+    return property.material;
+  if (property.system < 0)
+    throw std::invalid_argument(
+        property.where.text() +
+        ": PSOLID with CORDM -1 (the element's own axes) of a material with directions is "
+        "not read; name a coordinate system");
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Index node : nodes) middle += deck_.builder.place(node) / static_cast<double>(nodes.size());
+  return deck_.material_along(property.material,
+                              deck_.systems.system(property.system, property.where).axes_at(middle));
 }
 
 void NastranSolids::read() {
@@ -59,32 +80,40 @@ void NastranSolids::read() {
     const auto n_linear = static_cast<std::size_t>(nodes_per_cell(solid.linear)),
                n_quadratic = static_cast<std::size_t>(nodes_per_cell(solid.quadratic));
     const std::int64_t id = card.integer(0), property = card.integer(1, id);
-    std::size_t middle = 0;
-    for (std::size_t k = n_linear; k < n_quadratic; ++k)
-      middle += !card.blank(2 + k) && card.integer(2 + k) != 0;
-    if (middle != 0 && middle != n_quadratic - n_linear)
-      throw std::invalid_argument(
-          fmt::format("{}: {} {} has {} of its {} mid-side nodes; all or none are wanted", card.where.text(),
-                      card.name, id, middle, n_quadratic - n_linear));
-    const std::size_t n = middle ? n_quadratic : n_linear;
-    std::vector<Index> nodes(n);
-    for (std::size_t k = 0; k < n; ++k)
-      nodes[k] = deck_.node(
-          card.integer(2 + static_cast<std::size_t>(middle ? solid.order[k] : static_cast<int>(k))),
-          card.where);
-    deck_.builder.add_to_set("property " + std::to_string(property), nodes);
-    const std::size_t cell =
-        deck_.builder.add_cell(0, middle ? solid.quadratic : solid.linear, id, std::move(nodes), card.where);
-    if (!middle && solid.linear == CellType::hex8) {
-      if (bubbles_.contains(property)) deck_.builder.cells()[cell].variant = CellVariant::bubbles;
-      plain_bricks += no_scheme_.contains(property);
+    if (fluids_.contains(property)) {
+      deck_.approximated.add(card.name + " of a fluid (MAT10, PFLUID): left out", card.where);
+      continue;
     }
-    plain_wedges += !middle && solid.linear == CellType::wedge6;
-    if (const auto p = property_.find(property); p != property_.end())
-      deck_.builder.cells()[cell].material = p->second;
-    else if (!deck_.given("PSOLID").empty())
-      throw std::invalid_argument(
-          fmt::format("{}: PSOLID {} of {} {} is not defined", card.where.text(), property, card.name, id));
+    if (faulty_.contains(property)) continue;
+    deck_.faults.guard([&] {
+      std::size_t middle = 0;
+      for (std::size_t k = n_linear; k < n_quadratic; ++k)
+        middle += !card.blank(2 + k) && card.integer(2 + k) != 0;
+      if (middle != 0 && middle != n_quadratic - n_linear)
+        throw std::invalid_argument(
+            fmt::format("{}: {} {} has {} of its {} mid-side nodes; all or none are wanted",
+                        card.where.text(), card.name, id, middle, n_quadratic - n_linear));
+      const std::size_t n = middle ? n_quadratic : n_linear;
+      std::vector<Index> nodes(n);
+      for (std::size_t k = 0; k < n; ++k)
+        nodes[k] = deck_.node(
+            card.integer(2 + static_cast<std::size_t>(middle ? solid.order[k] : static_cast<int>(k))),
+            card.where);
+      deck_.builder.add_to_set("property " + std::to_string(property), nodes);
+      const auto p = property_.find(property);
+      const Index material = p == property_.end() ? -1 : material_of(p->second, nodes);
+      const std::size_t cell = deck_.builder.add_cell(0, middle ? solid.quadratic : solid.linear, id,
+                                                      std::move(nodes), card.where);
+      if (!middle && solid.linear == CellType::hex8) {
+        if (bubbles_.contains(property)) deck_.builder.cells()[cell].variant = CellVariant::bubbles;
+        plain_bricks += no_scheme_.contains(property);
+      }
+      plain_wedges += !middle && solid.linear == CellType::wedge6;
+      deck_.builder.cells()[cell].material = material;
+      if (material < 0 && !deck_.given("PSOLID").empty())
+        throw std::invalid_argument(
+            fmt::format("{}: PSOLID {} of {} {} is not defined", card.where.text(), property, card.name, id));
+    });
   }
   if (plain_bricks > 0)  // programs that read these decks differ in what a blank IN means
     deck_.model.messages.push_back(

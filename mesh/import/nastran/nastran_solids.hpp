@@ -13,11 +13,19 @@ class NastranSolids {
   void read();
 
  private:
+  struct Property {
+    Index material;
+    std::int64_t system;  // CORDM
+    Where where;
+  };
   void read_properties();
+  /// Along the axes of the property where the material has directions.
+  Index material_of(const Property& property, const std::vector<Index>& nodes);
 
   NastranDeck& deck_;
-  std::map<std::int64_t, Index> property_;      // its material
+  std::map<std::int64_t, Property> property_;
   std::set<std::int64_t> bubbles_, no_scheme_;  // PSOLID whose IN is BUBBLE, blank
+  std::set<std::int64_t> fluids_, faulty_;
 };
 
 }  // namespace flexura::mesh

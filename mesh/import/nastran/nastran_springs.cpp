@@ -18,6 +18,10 @@ void NastranSprings::add_scalar(const Card& card, double number, std::size_t fir
     return;
   }
   const std::int64_t c = card.integer(first + 1, 0);
+  if (c == 0 && card.integer(first + 3, 0) == 0) {
+    deck_.approximated.add(card.name + " between scalar points: left out", card.where);
+    return;
+  }
   if (c != card.integer(first + 3, 0) || c < 1 || c > 6)
     throw std::invalid_argument(fmt::format(
         "{}: {} {} joins component {} of one node to {} of the other; equal ones from 1 to 6 are read",
@@ -35,11 +39,12 @@ void NastranSprings::add_scalar(const Card& card, double number, std::size_t fir
                     card.where.text(), card.name, card.integer(0)));
   const Vector3d line = deck_.systems.grid_place(b, card.where) - deck_.systems.grid_place(a, card.where);
   if (c < 4 && line.cross(spring.R.col(static_cast<Eigen::Index>(c - 1))).norm() > 1e-9 * line.norm())
-    throw std::invalid_argument(
-        fmt::format("{}: {} {} acts in direction {} between nodes that do not lie one behind the other in "
-                    "it, so that a "
-                    "turn of the whole body would strain it; use CBUSH",
-                    card.where.text(), card.name, card.integer(0), c));
+    deck_.approximated.add(
+        fmt::format(
+            "{} across the line of its nodes, which would resist a turn of the whole body: it acts halfway "
+            "between them, on rigid arms",
+            card.name),
+        card.where);
   deck_.model.springs.push_back(spring);
 }
 
@@ -58,8 +63,10 @@ void NastranSprings::read() {
                                               card->where.text(), property, card->integer(0)));
     add_scalar(*card, elas[property].stiffness, 2, false, elas[property].loss);
   }
-  for (const Card* card : deck_.all("CELAS2")) add_scalar(*card, card->real(1), 2, false, card->real(6, 0));
-  read_bushes();
+  for (const Card* card : deck_.all("CELAS2"))
+    deck_.faults.guard([&] { add_scalar(*card, card->real(1), 2, false, card->real(6, 0)); });
+  deck_.faults.guard([&] { read_bushes(); });
+  deck_.faults.guard([&] { read_lines(); });
   read_dampers();
 }
 
@@ -103,6 +110,44 @@ void NastranSprings::read_dampers() {
     const Vector3d x = line.normalized(), y = x.unitOrthogonal();
     damper.R << x, y, x.cross(y);
     deck_.model.springs.push_back(damper);
+  }
+}
+
+// CBUSH1D, PBUSH1D: along the line of the nodes, or along x of a system.
+void NastranSprings::read_lines() {
+  std::map<std::int64_t, const Card*> properties;
+  for (const Card* card : deck_.all("PBUSH1D")) properties.emplace(card->integer(0), card);
+  for (const Card* card : deck_.all("CBUSH1D")) {
+    const std::int64_t property = card->integer(1, card->integer(0));
+    const auto of = properties.find(property);
+    if (of == properties.end())
+      throw std::invalid_argument(fmt::format("{}: property {} of CBUSH1D {} is no PBUSH1D of this file",
+                                              card->where.text(), property, card->integer(0)));
+    if (card->blank(3) || card->integer(3) == 0) {
+      deck_.unused.add("CBUSH1D to the ground (a superelement is a free body)", card->where);
+      continue;
+    }
+    ImportedSpring spring{.label = card->integer(0)};
+    spring.nodes = {deck_.node(card->integer(2), card->where), deck_.node(card->integer(3), card->where)};
+    spring.stiffness[0] = of->second->real(1, 0), spring.damping[0] = of->second->real(2, 0);
+    require_not_negative(spring.stiffness[0], fmt::format("PBUSH1D {}", property), "stiffness",
+                         of->second->where);
+    require_not_negative(spring.damping[0], fmt::format("PBUSH1D {}", property), "coefficient",
+                         of->second->where);
+    if (of->second->real(3, 0) != 0)
+      deck_.approximated.add("PBUSH1D's M: the mass that it adds is missing", of->second->where);
+    const Vector3d a = deck_.systems.grid_place(card->integer(2), card->where),
+                   line = deck_.systems.grid_place(card->integer(3), card->where) - a;
+    if (!card->blank(4)) {
+      spring.R = deck_.systems.system(card->integer(4), card->where).axes_at(a);
+    } else {
+      if (!(line.norm() > 0))
+        throw std::invalid_argument(fmt::format("{}: CBUSH1D {} has no length, hence no direction",
+                                                card->where.text(), spring.label));
+      const Vector3d x = line.normalized(), y = x.unitOrthogonal();
+      spring.R << x, y, x.cross(y);
+    }
+    deck_.model.springs.push_back(spring);
   }
 }
 

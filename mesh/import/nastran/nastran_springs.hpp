@@ -5,7 +5,7 @@
 
 #include "mesh/import/nastran/nastran_deck.hpp"
 
-/// Springs and dampers of a Nastran deck: CELAS1, CELAS2, CBUSH, CDAMP1, CDAMP2, CVISC.
+/// Springs and dampers of a Nastran deck: CELAS1, CELAS2, CBUSH, CBUSH1D, CDAMP1, CDAMP2, CVISC.
 namespace flexura::mesh {
 
 class NastranSprings {
@@ -27,6 +27,7 @@ class NastranSprings {
   void add_bush(const Card& card, const Bush& bush);
   void read_dampers();
   void read_bushes();
+  void read_lines();
 
   NastranDeck& deck_;
 };
