@@ -18,6 +18,8 @@
 #include "mesh/gmsh/sheet.hpp"
 #include "mesh/page/numbered_face.hpp"
 #include "reduce/app/face_lines.hpp"
+#include "reduce/app/list_deck.hpp"
+#include "reduce/file/foreign_formats.hpp"
 #include "reduce/file/part_file.hpp"
 
 namespace flexura::reduce {
@@ -94,6 +96,17 @@ void print_example(const std::vector<mesh::Face>& faces, std::ostream& out) {
 
 void print_faces(const std::filesystem::path& file, std::ostream& out) {
   files::note_input(file);
+  const std::string end = ending_of(file);
+  if (end == ".toml") {
+    const PartInput part = read_part(file);
+    if (is_deck(part.format)) return print_deck(part.cad.path, part.format, out);
+  } else if (end == ".inp" || end == ".unv" || end == ".bdf" || end == ".dat" || end == ".nas") {
+    return print_deck(file,
+                      end == ".inp"   ? PartFormat::abaqus
+                      : end == ".unv" ? PartFormat::unv
+                                      : PartFormat::nastran,
+                      out);
+  }
   const mesh::CadReport report = faces_of(file);
   for (const std::string& message : report.messages) out << message << '\n';
   out << fmt::format("{}: {} solid{}, lengths in {}\n", file.filename().string(), report.solids.size(),

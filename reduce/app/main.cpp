@@ -46,12 +46,12 @@ const char* const kBesidePart = "PART.faces.html";
 constexpr int kNotGiven = std::numeric_limits<int>::min();
 
 struct Arguments {
-  std::string input, output, report, html, mesh, mesh_size, accuracy, petsc, unit_system;
+  std::string input, output, report, html, mesh, mesh_size, accuracy, petsc, unit_system, density;
   std::vector<std::string> overrides, held;
   int modes = -1, beam_modes = 0, compare = 0;
   int places = kNotGiven, threads = kNotGiven;
   int places_or_default() const { return places == kNotGiven ? 5 : places; }
-  bool factor_in_file = false, list_faces = false, schema = false, schema_beams = false,
+  bool strict = false, factor_in_file = false, list_faces = false, schema = false, schema_beams = false,
        schema_flexdata = false, statics = false, run_scripts = false;
 };
 
@@ -91,6 +91,8 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_beam) {
     refuse(a.factor_in_file, "--factor-in-file", "parts of solid elements");
     refuse(!a.petsc.empty(), "--petsc", "parts of solid elements");
     refuse(!a.unit_system.empty(), "--unit-system", "parts of solid elements");
+    refuse(!a.density.empty(), "--density", "decks");
+    refuse(a.strict, "--strict", "decks");
     if (!a.statics && (!a.held.empty() || a.places != kNotGiven))
       throw input::InputError("--held and --places are for --statics: give it, or leave them out");
     if (a.statics && a.beam_modes > 0)
@@ -112,7 +114,9 @@ void refuse_options_of_reductions(const Arguments& a) {
                                                 {a.compare > 0, "--compare"},
                                                 {a.factor_in_file, "--factor-in-file"},
                                                 {!a.petsc.empty(), "--petsc"},
-                                                {!a.unit_system.empty(), "--unit-system"}};
+                                                {!a.unit_system.empty(), "--unit-system"},
+                                                {!a.density.empty(), "--density"},
+                                                {a.strict, "--strict"}};
   for (const auto& [is_given, option] : given)
     if (is_given)
       throw input::InputError(
@@ -177,6 +181,8 @@ int reduce_with(const Arguments& arguments, const terminal::Verbosity& verbosity
   if (arguments.modes >= 0) overrides.push_back(fmt::format("modes.count={}", arguments.modes));
   if (!arguments.unit_system.empty())
     for (std::string& unit : overrides_of_units(arguments.unit_system)) overrides.push_back(std::move(unit));
+  if (!arguments.density.empty()) overrides.push_back("geometry.density=" + arguments.density);
+  if (arguments.strict) overrides.emplace_back("geometry.strict=true");
   constexpr int most = 20000;
   for (const auto& [name, count] :
        {std::pair{"--compare", arguments.compare}, std::pair{"--places", arguments.places_or_default()},
@@ -264,6 +270,10 @@ std::function<int()> declare(terminal::Options& options, const terminal::Verbosi
       .option("--unit-system", arguments->unit_system, "SYSTEM",
               "units of a mesh file or deck, overrides geometry.unit and geometry.mass_unit: m-kg-s, mm-t-s, "
               "mm-kg-s, cm-g-s, inch-lbf-s, ft-slug-s")
+      .option("--density", arguments->density, "DENSITY",
+              "of a deck's materials that have none, overrides geometry.density: \"7800 kg/m^3\"")
+      .flag("--strict", arguments->strict,
+            "refuse a deck of which something is left out or repaired that changes the body")
       .option("--report", arguments->report, "FILE", "also write the acceptance report as JSON")
       .option(
           "--mesh", arguments->mesh, "FILE",

@@ -151,8 +151,13 @@ std::vector<int> TiedModel::rows_in(const TiedModel& other) const {
 Eigen::VectorXd TiedModel::pin_stiffness() const {
   Eigen::VectorXd s = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(pins_.size()));
   if (!share_) {
-    for (std::size_t p = 0; p < pins_.size(); ++p)
-      s(static_cast<Eigen::Index>(p)) = K_ii().diagonal(pins_[p]);
+    double largest = 0.0;
+    for (int row = 0; row < n_rows_; ++row) largest = std::max(largest, K_ii().diagonal(row));
+    for (std::size_t p = 0; p < pins_.size();
+         ++p) {  // nothing at all resists what is rigid alone: across a plane truss
+      const double own = K_ii().diagonal(pins_[p]);
+      s(static_cast<Eigen::Index>(p)) = own > 1e-12 * largest ? own : largest;
+    }
     return s;
   }
   for (std::size_t p = 0; p < pins_.size(); ++p)

@@ -20,7 +20,7 @@ ModelFactor factorise(const TiedModel& model, const Eigen::VectorXd& springs,
                    1.0);
     return factor;
   } catch (const linalg::SingularMatrix& singular) {
-    throw std::invalid_argument(fmt::format(
+    throw SingularStiffness(fmt::format(
         "the stiffness matrix is singular although the interfaces hold the body: a part of it can move "
         "without strain, noticed at {}; look for solids that touch in a single node or edge, hinges with an "
         "interface on one side alone (add one beyond), and C3D20R in a single row (take two across)",

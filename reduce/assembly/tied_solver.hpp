@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
+#include <stdexcept>
 
 #include "reduce/assembly/model_factor.hpp"
 
@@ -19,6 +20,11 @@
 ///
 /// U = K'^-1 (F - V y),  (V^T K'^-1 V - S) y = V^T K'^-1 F - g.  Without averages this is K_ii^-1 F.
 namespace flexura::reduce {
+
+/// The stiffness matrix is singular although the interfaces hold the body.
+struct SingularStiffness : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
 
 class TiedSolver {
  public:

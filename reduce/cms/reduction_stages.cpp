@@ -124,6 +124,7 @@ class ReductionStages {
     stage_.next("Constraint modes");
     linalg::report(options_.progress, "constraint modes", 0.0);
     constraint_ = constraint_modes(model_, *solver_);
+    part_by_pieces(part_, model_, constraint_.K_bb);
     require_finite(model_, constraint_.Psi, "the constraint modes");
     report_.constraint_residual = constraint_.residual;
     report_.rigid_strain = constraint_.rigid_strain;

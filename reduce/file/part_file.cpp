@@ -276,6 +276,9 @@ PartInput read_part(const std::filesystem::path& file, const std::vector<std::st
   part.formulation =
       meshing.text("formulation") == "enhanced" ? Formulation::enhanced : Formulation::standard;
   read_units(geometry, part);
+  if (geometry.has("density")) part.density = geometry.quantity("density");
+  part.strict = geometry.flag("strict");
+  if (geometry.has("keep")) (geometry.text("keep") == "all" ? part.keep_all : part.keep_largest) = true;
   if (geometry.has("program")) {
     if (part.format != PartFormat::abaqus)
       geometry.refuse("program", "is for decks of Abaqus and CalculiX (.inp)", "take the key away");

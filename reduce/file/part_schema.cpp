@@ -30,6 +30,16 @@ TableSchema geometry_schema() {
           "program", {"abaqus", "calculix"},
           "whose words a deck (.inp) speaks where they differ (*BEAM SECTION, SECTION=CIRC: radius or "
           "diameter); default: what the deck itself tells, else calculix, with a warning"),
+      input::quantity("density", dim::density, "of a deck's materials that have none (`--density`)").above(0),
+      input::choice("keep", {"largest", "all"},
+                    "of a deck that falls into pieces that nothing joins: the largest alone, or all, each "
+                    "with the mean motion of its own for an interface where no other interface holds it; "
+                    "default: such a deck is refused"),
+      input::flag(
+          "strict",
+          "refuse a deck of which something is left out or repaired that changes the body, instead of "
+          "warning (`--strict`)")
+          .or_default("false"),
       input::integer("solid", "which solid of the file, counted from 1 as `--list-faces` prints them")
           .at_least(1),
       input::flag("fuse", "join all solids of the file into one").or_default("false"),

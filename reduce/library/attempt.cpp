@@ -10,6 +10,7 @@
 
 #include "mbs/base/documents/document.hpp"
 #include "mbs/base/files/output.hpp"
+#include "reduce/assembly/tied_solver.hpp"
 #include "reduce/cms/finished_modes.hpp"
 #include "reduce/library/accuracy_goal.hpp"
 #include "reduce/part/read_matrices.hpp"
@@ -137,6 +138,14 @@ std::string why_unjudged(const Part& part) {
   return "the part has no elastic mode";
 }
 
+// Whether there are elements of reduced integration, which have all their points now.
+bool integrate_in_full(mesh::Mesh& mesh) {
+  bool any = false;
+  for (mesh::CellBlock& block : mesh.solids)
+    if (block.variant == mesh::CellVariant::reduced) block.variant = mesh::CellVariant::standard, any = true;
+  return any;
+}
+
 }  // namespace
 
 Attempt attempt(const PartInput& input, const std::filesystem::path& output, ReductionOptions how) {
@@ -172,7 +181,16 @@ Attempt attempt(const PartInput& input, const std::filesystem::path& output, Red
   how.shape_nodes = out.picture.nodes;
   out.vertices = stress_vertices(input.recovery, part.mesh, out.picture.nodes, part);
   for (const std::int32_t vertex : out.vertices) how.stress_nodes.push_back(out.picture.nodes[vertex]);
-  out.reduction = finished ? reduce_finished_modes(part, *finished, how) : craig_bampton(part, how);
+  try {
+    out.reduction = finished ? reduce_finished_modes(part, *finished, how) : craig_bampton(part, how);
+  } catch (const SingularStiffness& singular) {
+    if (input.strict || how.team || !integrate_in_full(out.modelled.part.mesh)) throw;
+    out.modelled.warnings.push_back(
+        "elements of reduced integration (C3D20R, C3D8R) leave the body without stiffness somewhere, so few "
+        "of "
+        "them lie side by side: all are integrated in full");
+    out.reduction = craig_bampton(part, how);
+  }
   return out;
 }
 

@@ -101,8 +101,9 @@ Bar make_bar(const mesh::ImportedBar& from, const Part& part, const std::string&
     return bar;
   }
   const double y = from.centroid(0), z = from.centroid(1);  // moments are about the axis
-  beam::Constants constants{
-      .A = from.A, .I_y = from.I_yy + from.A * z * z, .I_z = from.I_zz + from.A * y * y};
+  // Bending in a plane is struck out where the section has no moment for it.
+  const double I_yy = from.I_yy > 0.0 ? from.I_yy : from.I_zz, I_zz = from.I_zz > 0.0 ? from.I_zz : from.I_yy;
+  beam::Constants constants{.A = from.A, .I_y = I_yy + from.A * z * z, .I_z = I_zz + from.A * y * y};
   constants.S_y = from.A * z, constants.S_z = from.A * y;
   constants.y_cg = y, constants.z_cg = z;
   constants.I_t = from.J > 0.0 ? from.J : from.I_yy + from.I_zz;
@@ -117,6 +118,11 @@ Bar make_bar(const mesh::ImportedBar& from, const Part& part, const std::string&
   const beam::Element element(l, beam::matrices_of(section, beam::Theory::timoshenko), releases);
   beam::Matrix12d K = element.stiffness();
   if (!(from.J > 0.0)) K -= spring(3, G * constants.I_t);
+  const auto strike = [&](std::initializer_list<int> dofs) {
+    for (const int d : dofs) K.row(d).setZero(), K.col(d).setZero();
+  };
+  if (!(from.I_yy > 0.0)) strike({2, 4, 8, 10});
+  if (!(from.I_zz > 0.0)) strike({1, 5, 7, 11});
   bar.ends = K * T;
   bar.K = T.transpose() * bar.ends;
   bar.move = [element, T, R](double x) { return beam::Matrix6x12d(R * element.shape(x) * T); };

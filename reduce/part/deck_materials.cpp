@@ -3,14 +3,25 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <set>
 
 #include "mbs/base/documents/document.hpp"
+#include "mesh/import/builder.hpp"
 
 namespace flexura::reduce {
 namespace {
 
 using input::InputError;
+
+// Stresses by strains (xx, yy, zz, xy, yz, zx).
+Material anisotropic(const mesh::ImportedMaterial& from) {
+  if (Eigen::LLT<Eigen::Matrix<double, 6, 6>>(from.stiffness).info() != Eigen::Success)
+    throw std::invalid_argument(fmt::format(
+        "material \"{}\": its constants are not those of a positive definite stiffness", from.name));
+  return {.name = from.name, .D = from.stiffness, .density = from.rho};
+}
 
 /// The deck's material as ours; what it lacks is refused with the way out.
 Material material_of(const mesh::ImportedMaterial& from, const std::string& deck) {
@@ -19,7 +30,13 @@ Material material_of(const mesh::ImportedMaterial& from, const std::string& deck
         "{}: material \"{}\" has no {} ({}); give it a table [material.\"{}\"] with {} in the part file",
         deck, from.name, what, card, from.name, key));
   };
-  if (!(from.rho > 0.0)) lacks("density above zero", "*DENSITY, or RHO of MAT1", "its density");
+  if (!(from.rho > 0.0))
+    throw std::invalid_argument(fmt::format(
+        "{}: material \"{}\" has no density above zero (*DENSITY, or RHO of MAT1); give --density \"7800 "
+        "kg/m^3\" (density in [geometry]) for all that have none, or a table [material.\"{}\"] with its "
+        "density",
+        deck, from.name, from.name));
+  if (!from.stiffness.isZero(0.0)) return turned(anisotropic(from), from.R);
   if (from.orthotropic) {
     // E1 E2 E3 nu12 nu13 nu23 G12 G13 G23; nu31 = nu13 E3 / E1.
     const auto& c = from.engineering;
@@ -80,10 +97,13 @@ void choose_materials(const PartInput& input, const mesh::ImportedModel& model, 
         "{}: {} has materials in a system of units whose mass unit is not clear; add geometry.mass_unit",
         input.where, deck));
   std::vector<std::string> known;
+  std::set<std::string> without_density;
+  mesh::Faults faults;
   for (const mesh::ImportedMaterial& from : model.materials) {
     known.push_back(from.name);
     const auto ours = std::find_if(input.materials.begin(), input.materials.end(),
                                    [&](const Material& m) { return m.name == from.name; });
+    if (!from.plies.empty() && faults.any()) break;
     if (!from.plies.empty()) {  // its materials stand before it
       std::vector<Ply> plies;
       for (const mesh::ImportedPly& ply : from.plies) {
@@ -102,9 +122,17 @@ void choose_materials(const PartInput& input, const mesh::ImportedModel& model, 
     }
     mesh::ImportedMaterial whole = from;
     if (ours != input.materials.end()) whole.rho = ours->density;
-    part.materials.push_back(material_of(whole, deck));
+    if (!(whole.rho > 0.0) && input.density > 0.0) {
+      whole.rho = input.density;
+      if (without_density.insert(whole.name).second)
+        part.messages.push_back(fmt::format("material {} has no density in the deck: {:g} kg/m^3, as asked",
+                                            whole.name, whole.rho));
+    }
+    faults.guard([&] { part.materials.push_back(material_of(whole, deck)); });
+    if (faults.any()) part.materials.resize(known.size());  // layers find theirs by place
     part.materials.back().damping = damping;
   }
+  faults.raise();
   for (const Material& ours : input.materials)
     if (std::find(known.begin(), known.end(), ours.name) == known.end())
       throw InputError(fmt::format("{}: {} has no material \"{}\"{}", input.where, deck, ours.name,

@@ -6,10 +6,13 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 #include <vector>
 
+#include "reduce/assembly/pieces.hpp"
 #include "reduce/assembly/tied_model.hpp"
+#include "reduce/part/idle_moves.hpp"
 
 namespace flexura::reduce {
 namespace {
@@ -62,9 +65,52 @@ FrameElement spring_to(const Part& part, mesh::Index node, mesh::Index other, co
   return {.nodes = {node, other}, .K = stiffness * q * q.transpose()};
 }
 
+// A rotation with mass that nothing resists: of beams without torsion or bending stiffness.
+struct HeavyTurn {
+  mesh::Index node;
+  Vector3d direction;
+  double stiffness;
+};
+
+// They turn as the body does, or, where its nodes lie on a line and do not tell how it turns about that, with the first.
+void hold_heavy_turns(Part& part, const std::vector<HeavyTurn>& turns, std::vector<std::string>& warnings) {
+  if (turns.empty()) return;
+  const Pieces pieces = pieces_of(part);
+  std::vector<std::vector<mesh::Index>> nodes(pieces.sizes.size());
+  for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node)
+    if (const int piece = pieces.of_node[static_cast<std::size_t>(node)]; piece >= 0)
+      nodes[static_cast<std::size_t>(piece)].push_back(node);
+  std::map<int, mesh::Index> first;
+  for (const HeavyTurn& turn : turns) {
+    const int piece = pieces.of_node[static_cast<std::size_t>(turn.node)];
+    const std::vector<mesh::Index> anchors = spread_nodes(part.mesh, nodes[static_cast<std::size_t>(piece)]);
+    Eigen::Matrix<double, 6, 1> v;
+    v << Vector3d::Zero(), turn.direction;
+    const Vector3d line =
+        anchors.size() == 2
+            ? Vector3d((part.mesh.points.row(anchors[1]) - part.mesh.points.row(anchors[0])).normalized())
+            : Vector3d::Zero();
+    FrameElement element;
+    if (std::abs(turn.direction.dot(line)) > 0.5) {
+      const mesh::Index other = first.emplace(piece, turn.node).first->second;
+      if (other == turn.node) continue;
+      Eigen::Matrix<double, 12, 1> q;
+      q << v, -v;
+      element = {.nodes = {turn.node, other}, .K = turn.stiffness * q * q.transpose()};
+    } else {
+      element = following(part, turn.node, v, anchors, turn.stiffness);
+    }
+    if (!element.nodes.empty()) part.frames.push_back(std::move(element));
+  }
+  warnings.push_back(
+      fmt::format("{} rotations of beams' nodes that nothing resists: what AUTOSPC holds at the "
+                  "ground follows the rigid motion of the body here",
+                  turns.size()));
+}
+
 }  // namespace
 
-void hold_idle_turns(Part& part) {
+void hold_idle_turns(Part& part, std::vector<std::string>& warnings) {
   const std::vector<char> turns = nodes_with_rotations(part), busy = busy_nodes(part);
   const auto n = static_cast<std::size_t>(part.mesh.n_nodes());
   std::vector<Matrix3d> held(n, Matrix3d::Zero()), seen(n, Matrix3d::Zero());
@@ -84,6 +130,7 @@ void hold_idle_turns(Part& part) {
       most = std::max(most, C.rightCols<3>().squaredNorm());
     }
   std::vector<FrameElement> springs;
+  std::vector<HeavyTurn> heavy;
   for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node) {
     const auto k = static_cast<std::size_t>(node);
     if (!turns[k] || busy[k] || !(held[k].trace() > 0.0)) continue;
@@ -91,7 +138,10 @@ void hold_idle_turns(Part& part) {
     for (Index d = 0; d < 3; ++d) {
       const Vector3d v = axes.eigenvectors().col(d);
       if (axes.eigenvalues()(d) > kNothing * axes.eigenvalues()(2)) continue;
-      if (v.dot(seen[k] * v) > kNothing * most) continue;  // it has mass: a mechanism
+      if (v.dot(seen[k] * v) > kNothing * most) {  // it has mass
+        heavy.push_back({node, v, held[k].trace()});
+        continue;
+      }
       if (const InterfaceSpec* own = interface_at(part, node))
         for (const int direction : own->directions)
           if (direction > 2 && std::abs(v(direction - 3)) > 1e-6)
@@ -112,6 +162,7 @@ void hold_idle_turns(Part& part) {
     }
   }
   part.frames.insert(part.frames.end(), springs.begin(), springs.end());
+  hold_heavy_turns(part, heavy, warnings);
 }
 
 }  // namespace flexura::reduce

@@ -1,6 +1,9 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "reduce/assembly/input/part.hpp"
 
 /// Rotations of nodes that nothing holds and nothing follows: behind a pin flag.  K is
@@ -14,6 +17,6 @@
 namespace flexura::reduce {
 
 /// Once all elements, masses and interfaces are there.  Throws std::invalid_argument where an interface retains such a rotation.
-void hold_idle_turns(Part& part);
+void hold_idle_turns(Part& part, std::vector<std::string>& warnings);
 
 }  // namespace flexura::reduce

@@ -2,6 +2,7 @@
 #include "reduce/part/make_part.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -11,14 +12,16 @@
 
 #include "mbs/base/documents/document.hpp"
 #include "mesh/model/shell_sides.hpp"
-#include "reduce/assembly/input/constraints.hpp"
 #include "reduce/assembly/input/shell_skins.hpp"
+#include "reduce/assembly/pieces.hpp"
 #include "reduce/assembly/point_mass.hpp"
 #include "reduce/assembly/whole_body.hpp"
 #include "reduce/elements/surface.hpp"
 #include "reduce/part/deck_averages.hpp"
+#include "reduce/part/deck_equations.hpp"
 #include "reduce/part/deck_frames.hpp"
 #include "reduce/part/force_field.hpp"
+#include "reduce/part/idle_moves.hpp"
 #include "reduce/part/idle_turns.hpp"
 #include "reduce/part/preload.hpp"
 
@@ -178,31 +181,23 @@ void add_interfaces(const PartInput& input, const PartMesh& from, ModelledPart& 
   }
 }
 
-// The deck's constraints between nodes: nodes that follow an interface or a spider cannot follow others.
-void add_equations(const PartMesh& from, Part& part) {
-  if (from.equations.empty()) return;
-  std::vector<char> follows(part.mesh.n_nodes(), 0);
-  for (const InterfaceSpec& spec : part.interfaces)
-    if (spec.tie == Tie::rigid || spec.tie == Tie::node)
-      for (const mesh::Index node : spec.set.nodes) follows[node] = 1;
-  std::vector<LinearEquation> equations;
-  for (const mesh::ImportedEquation& equation : from.equations) {
-    LinearEquation& to = equations.emplace_back();
-    to.of = equation.of;
-    for (const mesh::ImportedEquation::Term& term : equation.terms) {
-      std::array<int, 6> order{0, 1, 2, 3, 4, 5};  // an oblique direction by its largest component
-      std::ranges::stable_sort(order, std::ranges::greater(), [&](int d) { return std::abs(term.row(d)); });
-      for (const int d : order)
-        if (term.row(d) != 0.0) to.terms.emplace_back(NodalDof{term.node, d}, term.row(d));
-    }
-    if (to.terms.empty()) equations.pop_back();
-  }
-  part.dependent =
-      eliminate(equations, part.mesh.points, [&](const NodalDof& dof) { return !follows[dof.node]; });
-}
-
 // What the interfaces do not hold (all of it where there are none) is held by the body's own mean motion.
 void complete_interfaces(const PartInput& input, ModelledPart& out) {
+  const bool is_deck = input.format == PartFormat::abaqus || input.format == PartFormat::nastran ||
+                       input.format == PartFormat::unv;
+  if (is_deck && input.finished.vectors.empty()) {
+    const Pieces pieces = pieces_of(out.part);
+    if (pieces.sizes.size() > 1 && !input.strict) {
+      const std::vector<std::string> names = at(input.where, [&] { return hold_pieces(out.part, pieces); });
+      out.warnings.push_back(
+          fmt::format("the mesh falls into {} pieces that nothing joins, of {} to {} nodes: each moves on "
+                      "its own{}; tie or "
+                      "merge them in the deck, or take the largest alone by geometry.keep = \"largest\"",
+                      pieces.sizes.size(), std::ranges::min(pieces.sizes), std::ranges::max(pieces.sizes),
+                      names.empty() ? "" : fmt::format(", by the interfaces {}", fmt::join(names, ", "))));
+      return;
+    }
+  }
   const int n_free = free_rigid_motions(out.part);
   if (n_free == 0 || !input.finished.vectors.empty()) return;
   const std::string name = at(input.where, [&] { return hold_whole_body(out.part); });
@@ -367,7 +362,7 @@ ModelledPart make_part(const PartInput& input, PartMesh&& from) {
   out.part.mass = input.mass;
   out.part.formulation = input.formulation;
   add_interfaces(input, from, out);
-  add_equations(from, out.part);
+  add_equations(input, from, out);
   // Faces are chosen in the mesh as it came: before shells and beams get the points around them.
   const bool has_points = !out.part.mesh.shells.empty() || !from.bars.empty();
   const mesh::Mesh middle = has_points ? out.part.mesh : mesh::Mesh();
@@ -383,10 +378,11 @@ ModelledPart make_part(const PartInput& input, PartMesh&& from) {
   add_bars(from.bars, out.part);
   add_springs(from.springs, out.part);
   if (!from.matrices) spread_averages(from.ties, out.part, out.notes);
+  if (!from.matrices) hold_idle_moves(out.part, out.warnings);
   complete_interfaces(input, out);
   add_masses(input, from, out);
   add_links(input, out);
-  hold_idle_turns(out.part);
+  hold_idle_turns(out.part, out.warnings);
   add_loads(input, from, has_points ? middle : out.part.mesh, out);
   return out;
 }

@@ -111,7 +111,10 @@ struct PartInput : ReductionRequest {
   double unit_length = 1.0, unit_mass = 1.0;  ///< of a mesh file, in SI
   mesh::DeckProgram program = mesh::DeckProgram::unknown;  ///< that a deck was written for
   bool mass_unit_known = true;                             ///< given, or going with the length unit
-  double sheet_thickness = 0.0;                            ///< [m] of a CAD part of faces; 0: solids
+  double density = 0.0;  ///< [kg/m^3] of a deck's materials that have none; 0: not given
+  bool strict = false;   ///< what of a deck is repaired or left out is refused
+  bool keep_largest = false, keep_all = false;  ///< of several pieces that nothing joins; neither: refused
+  double sheet_thickness = 0.0;                 ///< [m] of a CAD part of faces; 0: solids
   Formulation formulation = Formulation::standard;
   std::filesystem::path stiffness, mass_matrix, damping_matrix;  ///< finished matrices; empty: none
   struct {

@@ -13,6 +13,7 @@
 #include "mesh/import/nastran.hpp"
 #include "mesh/import/unv.hpp"
 #include "reduce/part/deck_materials.hpp"
+#include "reduce/part/largest_piece.hpp"
 #include "reduce/part/read_matrices.hpp"
 
 namespace flexura::reduce {
@@ -204,12 +205,20 @@ void take_masses(const mesh::ImportedModel& model, const std::vector<char>& in_c
     } else if (in_cell[mass.node]) {
       part.masses.push_back(mass);
     } else {
-      throw std::invalid_argument(
-          fmt::format("point mass {} hangs on a node that belongs to no element and to no tie; tie it "
-                      "or take it out of the deck",
-                      from.label));
+      part.warnings.push_back(fmt::format(
+          "point mass {} hangs on a node that belongs to no element and to no tie: it moves on its "
+          "own and is left out",
+          from.label));
     }
   }
+}
+
+// --strict: all that is repaired or left out at once.
+std::string refusal_of(const PartInput& input, const std::vector<std::string>& warnings) {
+  std::string text = fmt::format("{}: strict, and not all of the deck is taken as it stands:",
+                                 input.cad.path.filename().string());
+  for (const std::string& warning : warnings) text += "\n  " + warning;
+  return text;
 }
 
 }  // namespace
@@ -230,6 +239,7 @@ PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) 
   const auto start = std::chrono::steady_clock::now();
   if (progress) progress("read", 0.0);
   mesh::ImportedModel model = read_foreign(input);
+  if (input.keep_largest) keep_largest_piece(model);
   mesh::scale_to_si(model, input.unit_length, input.unit_mass, 1.0);
   part.mesh = std::move(model.mesh);
   if (input.sheet_thickness > 0.0)
@@ -278,6 +288,7 @@ PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) 
         "the supports at {} node{} (SPC) are left out: a superelement is a free body, joints hold it at run "
         "time",
         model.fixed.size(), model.fixed.size() == 1 ? "" : "s"));
+  if (input.strict && !part.warnings.empty()) throw std::invalid_argument(refusal_of(input, part.warnings));
   part.report.n_nodes = part.mesh.n_nodes();
   if (part.mesh.solids.empty() && part.mesh.shells.empty()) return part;
   const mesh::Volumes volumes = mesh::measure_volume(part.mesh);

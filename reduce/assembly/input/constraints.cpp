@@ -23,31 +23,6 @@ constexpr double kLeastPivot = 1e-3;
 // Less is round-off of coordinates; more strains the body in rigid motions by more than a superelement may (1e-8).
 constexpr double kRoundOff = 1e-9;
 
-// What a rigid motion about the middle of the nodes, of size one at the body's reach, does to the equation.
-void require_free(const LinearEquation& equation, const Row& row,
-                  const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& points) {
-  static constexpr const char* kMotions[] = {"a shift along x", "a shift along y", "a shift along z",
-                                             "a turn about x",  "a turn about y",  "a turn about z"};
-  const Eigen::Vector3d middle = 0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff());
-  const double reach =
-      std::max(0.5 * (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm(), 1e-300);
-  Eigen::Matrix<double, 1, 6> violation = Eigen::Matrix<double, 1, 6>::Zero();
-  double size = 0;
-  for (const auto& [dof, c] : row) {
-    Eigen::Matrix<double, 6, 6> motion = node_motion_at(Eigen::Vector3d(points.row(dof.node)) - middle);
-    motion.rightCols<3>() /= reach;
-    violation += c * motion.row(dof.direction);
-    size += std::abs(c) * (dof.direction < 3 ? 1.0 : 1.0 / reach);
-  }
-  Eigen::Index worst = 0;
-  if (violation.cwiseAbs().maxCoeff(&worst) <= kRoundOff * size) return;
-  throw std::invalid_argument(
-      fmt::format("{} resists {} of the whole body: it binds the body to the ground, which is for joints at "
-                  "run time; take it out of the "
-                  "deck, or write it so that rigid motions fulfil it",
-                  equation.of, kMotions[worst]));
-}
-
 class Elimination {
  public:
   explicit Elimination(const std::function<bool(const NodalDof&)>& may_depend) : may_depend_(may_depend) {}
@@ -145,14 +120,34 @@ class Elimination {
 
 }  // namespace
 
-std::vector<DependentDof> eliminate(const std::vector<LinearEquation>& equations,
-                                    const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>& points,
+// What a rigid motion about the middle of the nodes, of size one at the body's reach, does to the equation.
+std::string resisted_motion(const LinearEquation& equation, const NodePoints& points) {
+  static constexpr const char* kMotions[] = {"a shift along x", "a shift along y", "a shift along z",
+                                             "a turn about x",  "a turn about y",  "a turn about z"};
+  const Eigen::Vector3d middle = 0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff());
+  const double reach =
+      std::max(0.5 * (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm(), 1e-300);
+  Eigen::Matrix<double, 1, 6> violation = Eigen::Matrix<double, 1, 6>::Zero();
+  double size = 0;
+  for (const auto& [dof, c] : equation.terms) {
+    Eigen::Matrix<double, 6, 6> motion = node_motion_at(Eigen::Vector3d(points.row(dof.node)) - middle);
+    motion.rightCols<3>() /= reach;
+    violation += c * motion.row(dof.direction);
+    size += std::abs(c) * (dof.direction < 3 ? 1.0 : 1.0 / reach);
+  }
+  Eigen::Index worst = 0;
+  return violation.cwiseAbs().maxCoeff(&worst) <= kRoundOff * size ? "" : kMotions[worst];
+}
+
+std::vector<DependentDof> eliminate(const std::vector<LinearEquation>& equations, const NodePoints& points,
                                     const std::function<bool(const NodalDof&)>& may_depend) {
   Elimination elimination(may_depend);
   for (const LinearEquation& equation : equations) {
-    Row plain;
-    for (const auto& [dof, c] : equation.terms) plain[dof] += c;
-    require_free(equation, plain, points);
+    if (const std::string motion = resisted_motion(equation, points); !motion.empty())
+      throw std::invalid_argument(fmt::format(
+          "{} resists {} of the whole body: it binds the body to the ground, which is for joints at "
+          "run time; take it out of the deck, or write it so that rigid motions fulfil it",
+          equation.of, motion));
     const Row row = elimination.substituted(equation);
     if (!row.empty()) elimination.take(equation, row);
   }

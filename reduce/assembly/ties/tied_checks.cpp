@@ -9,9 +9,9 @@
 #include <stdexcept>
 
 #include "mesh/model/coincident.hpp"
-#include "mesh/model/disjoint_sets.hpp"
 #include "reduce/assembly/input/average.hpp"
 #include "reduce/assembly/input/rigid_motion.hpp"
+#include "reduce/assembly/pieces.hpp"
 #include "reduce/assembly/ties/tied_codes.hpp"
 #include "reduce/assembly/ties/tied_motions.hpp"
 
@@ -108,51 +108,28 @@ void check_interfaces(const Part& part, const TiedNumbering& numbering, bool may
 }
 
 void check_pieces(const Part& part, const TiedNumbering& numbering) {
-  mesh::DisjointSets sets(static_cast<std::size_t>(numbering.n_nodes() + numbering.n_interfaces()));
-  for (const mesh::CellBlock& block : part.mesh.solids)
-    for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell)
-      for (Eigen::Index a = 1; a < block.nodes.cols(); ++a)
-        sets.join(block.nodes(cell, a), block.nodes(cell, 0));
-  for (const mesh::CellBlock& block : part.mesh.shells)
-    for (Eigen::Index cell = 0; cell < block.nodes.rows(); ++cell)
-      for (Eigen::Index a = 1; a < block.nodes.cols(); ++a)
-        sets.join(block.nodes(cell, a), block.nodes(cell, 0));
-  for (const FrameElement& frame : part.frames)
-    for (const mesh::Index node : frame.nodes) sets.join(node, frame.nodes.front());
-  for (const Follower& follower : part.followers)
-    for (const auto& [node, C] : follower.from) sets.join(follower.point, node);
-  for (const DependentDof& constraint : part.dependent)
-    for (const auto& [from, c] : constraint.from) sets.join(constraint.dof.node, from.node);
-  if (part.matrices)
-    for (const auto& [a, b] : part.matrices->pairs) sets.join(a, b);
-  for (int k = 0; k < numbering.n_interfaces(); ++k)
-    if (numbering.interfaces()[k].tie == Tie::rigid)
-      for (mesh::Index node : numbering.interfaces()[k].nodes) sets.join(node, numbering.n_nodes() + k);
-  std::vector<char> is_point(numbering.n_nodes(), 0);  // beside beams and shells: no node of the user's
-  for (const Follower& follower : part.followers) is_point[follower.point] = 1;
-  std::map<int, std::pair<int, int>> pieces;  // root -> (number of nodes, first node)
-  for (int node = 0; node < numbering.n_nodes(); ++node)
-    if (numbering.code(node, 0) != kUnused && !is_point[node])
-      ++pieces.try_emplace(sets.of(node), 0, node).first->second.first;
-  if (pieces.empty()) throw std::invalid_argument("the mesh has no cells that stiffness comes from");
-  if (pieces.size() == 1) return;
-  const auto smallest = std::min_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) {
-    return a.second.first < b.second.first;
-  });
-  const auto [count, node] = smallest->second;
+  const Pieces pieces = pieces_of(part);
+  if (pieces.sizes.empty()) throw std::invalid_argument("the mesh has no cells that stiffness comes from");
+  if (pieces.sizes.size() == 1) return;
+  if (std::ranges::all_of(free_motions_of(part, pieces), [](int free) { return free == 0; })) return;
+  const auto smallest = std::ranges::min_element(pieces.sizes);
+  const auto node =
+      static_cast<int>(std::ranges::find(pieces.of_node, static_cast<int>(smallest - pieces.sizes.begin())) -
+                       pieces.of_node.begin());
   // Decks whose parts were meshed one by one and never merged.
   std::vector<mesh::Index> used;
   for (int n = 0; n < numbering.n_nodes(); ++n)
-    if (numbering.code(n, 0) != kUnused && !is_point[n]) used.push_back(n);
+    if (pieces.of_node[static_cast<std::size_t>(n)] >= 0) used.push_back(n);
   std::string apart;
   int n_apart = 0;
   for (const auto& [a, b] : mesh::coincident_nodes(part.mesh.points, std::move(used)))
-    if (sets.of(a) != sets.of(b) && n_apart++ == 0)
+    if (pieces.of_node[static_cast<std::size_t>(a)] != pieces.of_node[static_cast<std::size_t>(b)] &&
+        n_apart++ == 0)
       apart = fmt::format(" {} and {}", numbering.label_of(a), numbering.label_of(b));
   throw std::invalid_argument(fmt::format(
       "the mesh falls into {} pieces that nothing joins; the smallest has {} nodes, one of them node {} at "
       "({:.5g}, {:.5g}, {:.5g}) m: {}",
-      pieces.size(), count, numbering.label_of(node), numbering.points()(node, 0),
+      pieces.sizes.size(), *smallest, numbering.label_of(node), numbering.points()(node, 0),
       numbering.points()(node, 1), numbering.points()(node, 2),
       n_apart > 0
           ? fmt::format("merge the nodes that lie in one place ({} pairs, such as{}), or take one piece",

@@ -11,7 +11,7 @@ namespace flexura::reduce {
 /// `may_be_free` for interfaces that leave a rigid motion of the body free.
 void check_interfaces(const Part& part, const TiedNumbering& numbering, bool may_be_free);
 
-/// All nodes must hang together through cells and ties.
+/// All nodes must hang together through cells and ties, or the interfaces hold each piece.
 void check_pieces(const Part& part, const TiedNumbering& numbering);
 
 /// The numbering of a part that has passed both checks.

@@ -39,6 +39,7 @@ Basis craig_chang_basis(const Part& part, const TiedModel& model, const HeldAnsw
   basis.omega2 = shapes.omega2;
   basis.K_bb = shapes.Y.leftCols(n_b).transpose() * span.K * shapes.Y.leftCols(n_b);
   basis.K_bb = rigid_projection(model).strain_free(basis.K_bb);
+  part_by_pieces(part, model, basis.K_bb);
   report.mode_residual = span.residual;
   report.mode_round_off = span.round_off;
   return basis;

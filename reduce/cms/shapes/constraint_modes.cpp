@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "reduce/assembly/pieces.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 
 namespace flexura::reduce {
@@ -22,6 +23,31 @@ RigidProjection rigid_projection(const TiedModel& model) {
   for (int k = 0; k < model.n_interfaces(); ++k)
     for (const int direction : model.numbering().directions(k)) is_rotation.push_back(direction >= 3);
   return {model.motions().rigid_b(), is_rotation};
+}
+
+void part_by_pieces(const Part& part, const TiedModel& model, MatrixXd& K_bb) {
+  if (model.share()) return;
+  const Pieces pieces = pieces_of(part);
+  if (pieces.sizes.size() < 2) return;
+  const MatrixXd R_b = model.motions().rigid_b();
+  std::vector<std::vector<int>> dofs(pieces.sizes.size());
+  std::vector<char> is_rotation;
+  for (int k = 0; k < model.n_interfaces(); ++k) {
+    const int piece = pieces.of_node[static_cast<std::size_t>(
+        part.interfaces[static_cast<std::size_t>(k)].set.nodes.front())];
+    for (const int direction : model.numbering().directions(k)) {
+      if (piece >= 0) dofs[static_cast<std::size_t>(piece)].push_back(static_cast<int>(is_rotation.size()));
+      is_rotation.push_back(direction >= 3);
+    }
+  }
+  MatrixXd K = MatrixXd::Zero(K_bb.rows(), K_bb.cols());
+  for (const std::vector<int>& own : dofs) {
+    std::vector<char> turns;
+    for (const int b : own) turns.push_back(is_rotation[static_cast<std::size_t>(b)]);
+    if (own.size() >= 6)
+      K(own, own) = RigidProjection(R_b(own, Eigen::all), turns).strain_free(K_bb(own, own));
+  }
+  K_bb = K;
 }
 
 ConstraintModes constraint_modes(const TiedModel& model, const TiedSolver& solver) {

@@ -22,6 +22,9 @@ struct ConstraintModes {
 /// Of the model's boundary.
 RigidProjection rigid_projection(const TiedModel& model);
 
+/// Where the part falls into several pieces: K_bb without what round-off leaves between them and in the rigid motions of each.
+void part_by_pieces(const Part& part, const TiedModel& model, Eigen::MatrixXd& K_bb);
+
 ConstraintModes constraint_modes(const TiedModel& model, const TiedSolver& solver);
 
 }  // namespace flexura::reduce
