@@ -15,6 +15,7 @@
 #include "mbs/superelement/exchange/names.hpp"
 #include "mbs/superelement/file.hpp"
 #include "mbs/view/motion_vtk.hpp"
+#include "mbs/view/node_motions.hpp"
 
 namespace flexura::app {
 namespace {
@@ -29,7 +30,7 @@ struct Arguments {
 
 // The formats that take a results file.
 bool is_of_results(const std::string& format) {
-  return format == "pvd" || format == "csv";
+  return format == "pvd" || format == "csv" || format == "nodes";
 }
 
 // "FILE.se.h5" without its endings, for the default name of the output.
@@ -43,15 +44,19 @@ int export_results(const Arguments& arguments, const terminal::Verbosity& verbos
   if (arguments.frames < 2)
     throw std::invalid_argument(fmt::format("--frames is {}, it must be at least 2", arguments.frames));
   std::filesystem::path stem = arguments.output.empty() ? arguments.file : arguments.output;
-  if (stem.extension() == ".h5" || stem.extension() == "." + arguments.format) stem.replace_extension();
+  const std::string ending = arguments.format == "nodes" ? "nodes.csv" : arguments.format;
+  if (stem.extension() == ".h5" || stem.extension() == "." + arguments.format ||
+      (arguments.format == "nodes" && stem.extension() == ".csv"))
+    stem.replace_extension();
   files::require_stem(stem);
   const results::Results results = results::read(arguments.file);
   files::Claims claims;
   for (const results::Run& run : results.runs)
-    claims.add(fmt::format("{}.{}.{}", stem.string(), run.name, arguments.format));
+    claims.add(fmt::format("{}.{}.{}", stem.string(), run.name, ending));
   const auto written =
-      arguments.format == "csv"
-          ? results::write_csv(results, stem.string() + ".csv")
+      arguments.format == "csv" ? results::write_csv(results, stem.string() + ".csv")
+      : arguments.format == "nodes"
+          ? view::write_node_motions(stem, results, arguments.file, arguments.frames)
           : view::write_motion_vtk(stem, results, view::read_pictures(results.model, arguments.file),
                                    arguments.frames);
   if (!verbosity.quiet) {
@@ -107,7 +112,7 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
   files::Claims claims;
   if (arguments.format == "matrix-market") {
     files::require_stem(output);
-    for (const char* const letter : {"K", "M", "D"})
+    for (const char* const letter : {"K", "M", "D", "T"})
       claims.add(superelement::matrix_market_name(output, letter));
   } else {
     claims.add(output);
@@ -117,7 +122,8 @@ int run(const Arguments& arguments, const terminal::Verbosity& verbosity) {
                                           .inertia = true,
                                           .stiffening = arguments.format == "sid",
                                           .surface = pictures || arguments.format == "flexdata",
-                                          .shapes = pictures});
+                                          .shapes = pictures,
+                                          .nodes = arguments.format == "matrix-market"});
   ModeAnalysis modes;
   if (!matrices) {
     modes = arguments.held == "constraint"
@@ -169,11 +175,12 @@ terminal::Command export_command() {
       [](terminal::Options& options, const terminal::Verbosity& verbosity) -> std::function<int()> {
         auto arguments = std::make_shared<Arguments>();
         options.argument("FILE", arguments->file, "superelement, results or mechanism file")
-            .choice("-f,--format", arguments->format,
-                    {"matrix-market", "dmig", "sid", "flexdata", "vtk", "gmsh", "gltf", "pvd", "csv", "urdf"},
-                    "what to write; pvd (ParaView) and csv take a results file, urdf a mechanism file, the "
-                    "others a "
-                    "superelement")
+            .choice(
+                "-f,--format", arguments->format,
+                {"matrix-market", "dmig", "sid", "flexdata", "vtk", "gmsh", "gltf", "pvd", "csv", "nodes",
+                 "urdf"},
+                "what to write; pvd (ParaView), csv and nodes (all nodes of bodies that keep them) take a "
+                "results file, urdf a mechanism file, the others a superelement")
             .required()
             .option("-o,--output", arguments->output, "PATH",
                     "file to write (matrix-market: start of the names); default beside FILE")
@@ -184,7 +191,8 @@ terminal::Command export_command() {
             .option("-n,--count", arguments->count, "N", "at most this many elastic modes")
             .option("--id", arguments->id, "N",
                     "flexdata: id of the body; default 1, or that of the file it came from")
-            .option("--frames", arguments->frames, "N", "pvd: at most about this many times of each run")
+            .option("--frames", arguments->frames, "N",
+                    "pvd, nodes: at most about this many times of each run")
             .example("flexura export conrod.se.h5 --format matrix-market", "conrod.K.mtx and conrod.M.mtx")
             .example("flexura export conrod.se.h5 --format sid -n 12",
                      "standard input data with 12 free modes")
@@ -195,7 +203,9 @@ terminal::Command export_command() {
             .option("--run", arguments->run, "NAME", "urdf: the run of the mechanism file that is written")
             .example("flexura export arm.toml --format urdf",
                      "a tree of joints as a robot description: arm.urdf")
-            .example("flexura export engine.h5 --format csv", "each run as a table: engine.RUN.csv");
+            .example("flexura export engine.h5 --format csv", "each run as a table: engine.RUN.csv")
+            .example("flexura export engine.h5 --format nodes",
+                     "where all nodes are and how they turn: engine.RUN.nodes.csv");
         return [arguments, &verbosity] { return run(*arguments, verbosity); };
       }};
 }

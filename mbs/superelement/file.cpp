@@ -11,6 +11,7 @@
 #include "mbs/base/hdf5/file.hpp"
 #include "mbs/superelement/checks.hpp"
 #include "mbs/superelement/mesh_error_file.hpp"
+#include "mbs/superelement/nodes_file.hpp"
 #include "mbs/superelement/recovery_file.hpp"
 
 // The layout is described in FORMAT.md; change both together, and the version with them.
@@ -322,6 +323,7 @@ void write_all(hdf5::File& file, const Superelement& se) {
     if (se.stress) write_stress(file.root(), *se.stress);
     if (se.sections) write_sections(file.root(), *se.sections);
     if (se.mesh_error) write_mesh_error(file.root(), *se.mesh_error);
+    if (se.nodes) write_nodes(file.root(), *se.nodes);
   }
   file.close();
 }
@@ -378,6 +380,7 @@ Superelement read(const std::filesystem::path& path, const Parts& parts) {
   if (parts.stress) read_stress(root, se);
   if (parts.sections) read_sections(root, se);
   if (parts.mesh_error) read_mesh_error(root, se);
+  if (parts.nodes) read_nodes(root, se);
   try {
     validate_parts(se, parts);
   } catch (const std::invalid_argument& failure) {

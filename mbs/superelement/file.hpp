@@ -17,6 +17,7 @@ struct Parts {
   bool stress = false;
   bool sections = false;  ///< section forces of beams
   bool mesh_error = false;
+  bool nodes = false;  ///< motions of all nodes
 };
 
 /// Validates and writes beside, then renames: a file of this name is whole or not there.

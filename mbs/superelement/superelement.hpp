@@ -133,6 +133,25 @@ struct SectionForces {
   Eigen::MatrixXf of_stiffening = {};
 };
 
+/// The whole of T: the six motions of every node of the mesh, so that at run time
+///
+///     (u, theta)(node) = sum_k T_k(node) u_se,k
+///
+/// Nodes of shells and beams turn by themselves.  Solids have displacements alone; there theta is half the curl of u, the mean
+/// of the elements that share the node.
+struct NodalMotions {
+  enum class Rotation : std::int8_t {
+    unknown,  ///< zero in T: nothing of the mesh turns with the node
+    own,      ///< a dof of the finite element model
+    curl,     ///< half the curl of the displacements
+  };
+  std::vector<std::int32_t> numbers;  ///< n_k: numbers of the mesh file; from 1 where it has none
+  std::vector<Rotation> rotations;    ///< n_k
+  Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> positions;  ///< n_k x 3 [m], frame B
+  Eigen::MatrixXd T;              ///< 6 n_k x n: u_x, u_y, u_z, theta_x, theta_y, theta_z of node 0, then 1
+  bool double_precision = false;  ///< of the file; float32 otherwise
+};
+
 /// Vectors p_se = T^T p of load cases kept for run time (gravity needs none: it follows from the integrals).
 struct LoadCase {
   std::string name;
@@ -166,6 +185,7 @@ struct Superelement {
   std::optional<StressModes> stress;      ///< read on demand
   std::optional<SectionForces> sections;  ///< of beam parts, read on demand
   std::optional<MeshError> mesh_error;    ///< absent where it was not judged; read on demand
+  std::optional<NodalMotions> nodes;      ///< where the part file asks for them; read on demand
 
   // Only for pictures; read on demand.
   Surface surface;

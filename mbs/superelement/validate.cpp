@@ -260,6 +260,17 @@ class Check {
     }
   }
 
+  void nodes(const NodalMotions& nodes) const {
+    const auto n_k = static_cast<Eigen::Index>(nodes.numbers.size());
+    sized_and_finite("the positions of the nodes", nodes.positions, n_k, 3);
+    sized_and_finite("the motions of the nodes", nodes.T, 6 * n_k, se_.n());
+    if (nodes.rotations.size() != nodes.numbers.size() ||
+        std::ranges::any_of(nodes.rotations, [](NodalMotions::Rotation r) {
+          return r < NodalMotions::Rotation::unknown || r > NodalMotions::Rotation::curl;
+        }))
+      refuse("the kinds of the nodes' rotations do not fit the nodes");
+  }
+
   void mesh_error(const MeshError& error, bool with_surface) const {
     const Eigen::Index n_v = with_surface ? se_.surface.vertices.rows() : std::numeric_limits<int>::max();
     const auto relative = [&](double value) {
@@ -410,6 +421,7 @@ void validate_parts(const Superelement& se, const Parts& present) {
   if (present.stress && se.stress) check.stress(*se.stress, present.surface);
   if (present.sections && se.sections) check.sections(*se.sections);
   if (present.mesh_error && se.mesh_error) check.mesh_error(*se.mesh_error, present.surface);
+  if (present.nodes && se.nodes) check.nodes(*se.nodes);
 }
 
 void validate(const Superelement& se) {
@@ -420,7 +432,8 @@ void validate(const Superelement& se) {
                       .shapes = true,
                       .stress = true,
                       .sections = true,
-                      .mesh_error = true});
+                      .mesh_error = true,
+                      .nodes = true});
 }
 
 }  // namespace flexura::superelement

@@ -274,6 +274,12 @@ Reduction reduce_finished_modes(const Part& part, const FinishedModes& modes,
   for (std::size_t v = 0; v < options.shape_nodes.size(); ++v)
     r.shapes.middleRows<3>(3 * static_cast<Index>(v)) =
         W.middleRows<3>(3 * static_cast<Index>(options.shape_nodes[v])).cast<float>();
+  if (options.all_nodes) {
+    std::vector<int> rotation_of;
+    for (Index node = 0; node < n_nodes; ++node)
+      rotation_of.push_back(motions.turns[static_cast<std::size_t>(node)] != 0 ? static_cast<int>(node) : -1);
+    r.nodes = node_motions(part, W, motions.theta, rotation_of);
+  }
   if (modes.stress.size() > 0) {
     r.stress_modes = MatrixXd::Zero(6 * static_cast<Index>(options.stress_nodes.size()), 6 + n_v);
     for (std::size_t s = 0; s < options.stress_nodes.size(); ++s)

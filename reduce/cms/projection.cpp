@@ -120,30 +120,48 @@ bool turns(const Part& part) {
   return !part.mesh.shells.empty() || !part.beam_stresses.empty();
 }
 
+// Each node's place among those that turn, or -1.
+std::vector<int> rotation_places(const Part& part, const TiedModel& model) {
+  std::vector<int> places;
+  for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node)
+    places.push_back(model.numbering().rotation_of(node));
+  return places;
+}
+
 // Of displacements U on all nodes, which in a part that turns are those of the dofs u_i and u_b.
 MatrixXd stress_of(const Part& part, const TiedModel& model, const MatrixXd& u_i, const MatrixXd& u_b,
                    const MatrixXd& U, const ReductionOptions& options) {
   if (!turns(part)) return nodal_stress_modes(part, U, options.stress_nodes);
-  std::vector<int> rotation_of;
-  for (mesh::Index node = 0; node < part.mesh.n_nodes(); ++node)
-    rotation_of.push_back(model.numbering().rotation_of(node));
   return nodal_stress_modes(part, U, options.stress_nodes, model.motions().expand_rotations(u_i, u_b),
-                            rotation_of);
+                            rotation_places(part, model));
+}
+
+// 3 n_rotations x n; empty without rotations, with which there are no interface modes and no team.
+MatrixXd rotations_of_shapes(const TiedModel& model, const Basis& basis) {
+  if (model.numbering().n_rotations() == 0) return {};
+  const Index n = model.n_b() + basis.Phi.cols();
+  MatrixXd boundary = MatrixXd::Zero(model.n_b(), n);
+  boundary.leftCols(model.n_b()).setIdentity();
+  MatrixXd interior(model.n_i(), n);
+  interior << basis.U_b, basis.Phi;
+  return model.motions().expand_rotations(interior, boundary);
 }
 
 }  // namespace
 
 void project_damping(const Part& part, const TiedModel& model, const Basis& basis, const MatrixXd& T,
                      Reduction& reduction) {
-  MatrixXd rotations;
-  if (model.numbering().n_rotations() > 0) {  // no interface modes then, and no team
-    MatrixXd boundary = MatrixXd::Zero(model.n_b(), T.cols());
-    boundary.leftCols(model.n_b()).setIdentity();
-    MatrixXd interior(model.n_i(), T.cols());
-    interior << basis.U_b, basis.Phi;
-    rotations = model.motions().expand_rotations(interior, boundary);
-  }
-  reduction.D_se = damping_matrix(part, model, T, rotations, reduction);
+  reduction.D_se = damping_matrix(part, model, T, rotations_of_shapes(model, basis), reduction);
+}
+
+NodeMotions all_node_motions(const Part& whole, const TiedModel& model, const Basis& basis,
+                             const MatrixXd& T) {
+  if (!model.share())
+    return node_motions(whole, T, rotations_of_shapes(model, basis), rotation_places(whole, model));
+  std::vector<mesh::Index> nodes;
+  for (mesh::Index node = 0; model.leads() && node < whole.mesh.n_nodes(); ++node) nodes.push_back(node);
+  const MatrixXd everywhere = model.at_nodes(T, nodes);
+  return model.leads() ? node_motions(whole, everywhere) : NodeMotions{};
 }
 
 MatrixXd stress_modes(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis,

@@ -29,6 +29,10 @@ void project_loads(const TiedModel& model, const Eigen::MatrixXd& T, const Reduc
 void project_damping(const Part& part, const TiedModel& model, const Basis& basis, const Eigen::MatrixXd& T,
                      Reduction& reduction);
 
+/// The shapes' motions of all nodes, on rank 0 of a team.
+NodeMotions all_node_motions(const Part& whole, const TiedModel& model, const Basis& basis,
+                             const Eigen::MatrixXd& T);
+
 /// 6 n_s x n: stresses of the shapes at the options' stress nodes; on rank 0 of a team, which knows the whole part.
 Eigen::MatrixXd stress_modes(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis,
                              const Eigen::MatrixXd& T, const ReductionOptions& options);

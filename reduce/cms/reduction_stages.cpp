@@ -330,6 +330,10 @@ class ReductionStages {
     stage_.next("Projection");
     project_loads(model_, T_, options_, reduction_);
     project_damping(here_, model_, basis_, T_, reduction_);
+    if (model_.decide(options_.all_nodes)) {
+      NodeMotions nodes = all_node_motions(whole_, model_, basis_, T_);
+      if (model_.leads()) reduction_.nodes = std::move(nodes);
+    }
     if (!wants_stress_) return;
     reduction_.stress_modes = stress_modes(whole_, part_, model_, basis_, T_, options_);
     if (!model_.share()) reduction_.stress_of_loads = stress_of_preloads(part_, options_);

@@ -87,6 +87,7 @@ void check_elastic_ties(const Section& modes, const PartInput& part) {
 RecoveryInput read_recovery(const Section& in) {
   return {.stress = in.flag("stress"),
           .groups = {},
+          .all_nodes = in.text("nodes") == "all",
           .double_precision = in.text("precision") == "double",
           .where = in.where()};
 }

@@ -154,7 +154,15 @@ TableSchema recovery_schema() {
           "elements that share it, where materials meet of those of the material with most of them. Shells "
           "have them on both sides, of membrane and bending")
           .or_default("false"),
-      input::choice("precision", {"single", "double"}, "how stress modes are stored").or_default("single"),
+      input::choice("nodes", {"surface", "all"},
+                    "`all`: the whole of T, all six motions of every node of the mesh or of the beams, "
+                    "interior ones too "
+                    "(group `nodes` of the superelement, `flexura export --format nodes`). Rotations are "
+                    "those of shells and beams; "
+                    "of solids half the curl of their displacements")
+          .or_default("surface"),
+      input::choice("precision", {"single", "double"}, "how stress modes and motions of all nodes are stored")
+          .or_default("single"),
   };
   return s;
 }

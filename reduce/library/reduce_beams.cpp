@@ -32,6 +32,27 @@ superelement::Surface surface_of(const Picture& from) {
 // Section forces of more members than this would be most of the file.
 constexpr std::size_t most_members = 1000;
 
+// The nodes of the model come first, those within members after them.  Nodes that only show a direction are left out.
+superelement::NodalMotions nodal_motions(const Structure& structure, const Eigen::MatrixXd& T,
+                                         bool double_precision) {
+  const std::vector<Eigen::Vector3d>& points = structure.mesh().points();
+  superelement::NodalMotions out{.double_precision = double_precision};
+  std::vector<int> nodes;
+  for (int node = 0; node < static_cast<int>(points.size()); ++node)
+    if (structure.used()[static_cast<std::size_t>(6 * node)]) nodes.push_back(node);
+  const auto n_k = static_cast<Eigen::Index>(nodes.size());
+  out.positions.resize(n_k, 3);
+  out.T.resize(6 * n_k, T.cols());
+  out.rotations.assign(nodes.size(), superelement::NodalMotions::Rotation::own);
+  for (Eigen::Index k = 0; k < n_k; ++k) {
+    const int node = nodes[static_cast<std::size_t>(k)];
+    out.numbers.push_back(node + 1);
+    out.positions.row(k) = points[static_cast<std::size_t>(node)].transpose();
+    out.T.middleRows<6>(6 * k) = T.middleRows<6>(6 * node);
+  }
+  return out;
+}
+
 // A solid whose own modes end below the structure's makes those too stiff.
 std::vector<std::string> short_solids(const BeamPartInput& input, double highest_hz) {
   std::vector<std::string> texts;
@@ -158,6 +179,7 @@ Reduced reduce(const BeamPartInput& given, const ReduceOptions& options) {
       to_superelement(input, std::move(reduction), surface_of(structure.picture()), json.dump(1));
   se.load_cases = std::move(cases);
   se.stress = std::move(stress);
+  if (input.recovery.all_nodes) se.nodes = nodal_motions(structure, beams.T, input.recovery.double_precision);
   se.modal_damping = ratio;
   if (input.model.members.size() <= most_members) {
     std::optional<UnitTensions> tensions;

@@ -122,10 +122,13 @@ Reduced reduce(const PartInput& input, const ReduceOptions& options) {
     stress_nodes.push_back(done.picture.nodes[static_cast<std::size_t>(vertex)]);
   std::optional<superelement::MeshError> mesh_error;
   if (reduction.mesh) mesh_error = to_mesh_error(*reduction.mesh, part, done.picture.nodes);
+  std::optional<superelement::NodalMotions> nodes;
+  if (reduction.nodes) nodes = to_nodal_motions(*reduction.nodes, part.mesh, input.recovery.double_precision);
   superelement::Superelement& se = out.superelement;
   se = to_superelement(input, std::move(reduction), std::move(done.picture.surface), report.json.dump(1),
                        std::move(done.vertices));
   se.mesh_error = std::move(mesh_error);
+  se.nodes = std::move(nodes);
   se.modal_damping = ratio;
   if (se.stress && !finished) add_compliance(part, stress_nodes, *se.stress);
   if (user.has_log() && options.say) options.say("where time went, by PETSc:");

@@ -22,6 +22,7 @@ ReductionOptions options_of(const ReductionRequest& request) {
   how.effective_mass = modes.effective_mass;
   how.response_omegas = modes.response_omegas;
   how.stiffening = request.stiffening;
+  how.all_nodes = request.recovery.all_nodes;
   return how;
 }
 

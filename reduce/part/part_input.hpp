@@ -86,6 +86,7 @@ struct LoadInput {
 struct RecoveryInput {
   bool stress = false;
   std::vector<std::string> groups;  ///< only at the nodes of these sets; empty: the whole surface
+  bool all_nodes = false;           ///< the motions of all nodes, not the surface alone
   bool double_precision = false;
   std::string where;  ///< for messages
 };

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <stdexcept>
 
@@ -78,6 +79,22 @@ superelement::MeshError to_mesh_error(const MeshShare& share, const Part& part,
         {.name = from.name, .compliance_error = relative(from.error), .stress = stress(from.stress)});
   if (share.by_cell.rows() == part.mesh.n_solid_cells() && share.by_cell.cols() > 0)
     out.at_vertices = at_vertices(part, stress_error_of_cells(part, share.by_cell), nodes);
+  return out;
+}
+
+superelement::NodalMotions to_nodal_motions(const NodeMotions& motions, const mesh::Mesh& mesh,
+                                            bool double_precision) {
+  superelement::NodalMotions out{.T = motions.T, .double_precision = double_precision};
+  const bool labelled = !mesh.node_label.empty() && *std::ranges::max_element(mesh.node_label) <=
+                                                        std::numeric_limits<std::int32_t>::max();
+  out.positions.resize(static_cast<Eigen::Index>(motions.nodes.size()), 3);
+  for (std::size_t k = 0; k < motions.nodes.size(); ++k) {
+    const auto node = static_cast<std::size_t>(motions.nodes[k]);
+    out.numbers.push_back(
+        static_cast<std::int32_t>(labelled ? mesh.node_label[node] : static_cast<std::int64_t>(node) + 1));
+    out.rotations.push_back(static_cast<superelement::NodalMotions::Rotation>(motions.rotations[k]));
+    out.positions.row(static_cast<Eigen::Index>(k)) = mesh.points.row(motions.nodes[k]);
+  }
   return out;
 }
 

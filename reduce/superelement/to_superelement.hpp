@@ -19,6 +19,10 @@ superelement::Superelement to_superelement(const ReductionRequest& input, Reduct
 superelement::MeshError to_mesh_error(const MeshShare& share, const Part& part,
                                       const std::vector<mesh::Index>& nodes);
 
+/// Motions of all nodes, by the numbers of the mesh's file.
+superelement::NodalMotions to_nodal_motions(const NodeMotions& motions, const mesh::Mesh& mesh,
+                                            bool double_precision);
+
 /// The materials' compliances at the stress modes' places, which are these nodes.
 void add_compliance(const Part& part, const std::vector<mesh::Index>& nodes,
                     superelement::StressModes& stress);

@@ -82,6 +82,10 @@ class Superelement:
     stress_vertices: Optional[Array] = None  # n_s: vertex of the surface at each place
     stress_modes: Optional[Array] = None  # n x 6 n_s [Pa]
     section_forces: Optional[SectionForces] = None  # of a beam part
+    node_numbers: Optional[Array] = None  # n_k, of a part with [recovery] nodes = "all"
+    node_positions: Optional[Array] = None  # n_k x 3 [m]
+    node_rotations: Optional[Array] = None  # n_k: 0 none known, 1 dofs of the model, 2 half the curl of u
+    T: Optional[Array] = None  # n x 6 n_k [m, rad]
 
     @property
     def n(self) -> int:
@@ -156,6 +160,11 @@ class Superelement:
         self._require(self.surface_shapes, "shapes on its surface")
         return Array((np.asarray(u_se) @ np.asarray(self.surface_shapes)).reshape(-1, 3), "displacement", "m")
 
+    def node_motions(self, u_se: npt.ArrayLike) -> Array:
+        """u_x, u_y, u_z, theta_x, theta_y, theta_z of the nodes node_numbers: n_k x 6 [m, rad]."""
+        self._require(self.T, "the motions of all nodes")
+        return Array((np.asarray(u_se) @ np.asarray(self.T)).reshape(-1, 6), "motion", "m, rad")
+
     def stress(self, u_se: npt.ArrayLike) -> Array:
         """Nodal stresses xx, yy, zz, xy, yz, zx at the places stress_vertices: n_s x 6 [Pa]."""
         self._require(self.stress_modes, "stress modes")
@@ -202,6 +211,9 @@ def read_superelement(path: FilePath, surface: bool = True) -> Superelement:
             se.section_forces = SectionForces(json.loads(read_text(part["members"])), read_array(part["member"]),
                                               read_array(part["positions"]), Array(axes.reshape(-1, 3, 3), axes.name, axes.unit, axes.doc),
                                               read_array(part["forces"]))
+        if surface and "nodes" in file:
+            se.node_numbers, se.node_positions, se.node_rotations, se.T = (
+                read_array(file["nodes"][name]) for name in ("numbers", "positions", "rotations", "T"))
         if surface and "surface" in file:
             se.vertices = read_array(file["surface/vertices"])
             se.triangles = read_array(file["surface/triangles"])

@@ -14,7 +14,8 @@
 namespace flexura::superelement {
 
 /// STEM.K.mtx, STEM.M.mtx (and STEM.D.mtx): Matrix Market "array real symmetric", 17 digits, dofs in the
-/// order of the superelement, named in the comment lines.  Returns the files.
+/// order of the superelement, named in the comment lines.  Where `nodes` are read, STEM.T.mtx, "array real general", has their
+/// six motions each.  Returns the files.
 std::vector<std::filesystem::path> write_matrix_market(const std::filesystem::path& stem,
                                                        const Superelement& se);
 

@@ -50,6 +50,24 @@ std::string matrix_market(const Eigen::MatrixXd& A, const std::string& comments)
   return fmt::to_string(out);
 }
 
+// T by columns, 6 rows a node.
+std::string recovery_matrix(const NodalMotions& nodes, const std::string& comments) {
+  fmt::memory_buffer out;
+  auto to = std::back_inserter(out);
+  fmt::format_to(to, "%%MatrixMarket matrix array real general\n{}", comments);
+  fmt::format_to(
+      to,
+      "% (u_x, u_y, u_z, theta_x, theta_y, theta_z) of each node, in rows; their numbers and places "
+      "[m]:\n");
+  for (std::size_t i = 0; i < nodes.numbers.size(); ++i) {
+    const auto x = nodes.positions.row(static_cast<Eigen::Index>(i));
+    fmt::format_to(to, "% node {}: {:.16e} {:.16e} {:.16e}\n", nodes.numbers[i], x[0], x[1], x[2]);
+  }
+  fmt::format_to(to, "{} {}\n", nodes.T.rows(), nodes.T.cols());
+  for (const double value : nodes.T.reshaped()) fmt::format_to(to, "{:.16e}\n", value);
+  return fmt::to_string(out);
+}
+
 // A number in a large field of 16 columns: ten digits and a D exponent.
 std::string large_field(double value) {
   std::string text = fmt::format("{:.9E}", value);
@@ -109,6 +127,10 @@ std::vector<std::filesystem::path> write_matrix_market(const std::filesystem::pa
   write("K", se.K_se);
   write("M", se.M_se);
   if (se.D_se.size() > 0) write("D", se.D_se);
+  if (se.nodes) {
+    written.push_back(matrix_market_name(stem, "T"));
+    write_whole(written.back(), recovery_matrix(*se.nodes, comments));
+  }
   return written;
 }
 

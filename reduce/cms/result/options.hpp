@@ -50,6 +50,7 @@ struct ReductionOptions {
   double tolerance = 1e-9;  ///< relative residual of every mode
   Eigensolver eigensolver = Eigensolver::block_lanczos;
   std::vector<mesh::Index> shape_nodes;  ///< nodes at which shapes are wanted (the surface)
+  bool all_nodes = false;                ///< fills Reduction::nodes
   bool estimate_error = true;
   bool estimate_mesh = false;             ///< fills Reduction::mesh
   bool stiffening = false;                ///< geometric stiffening terms

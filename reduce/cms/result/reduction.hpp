@@ -14,6 +14,7 @@
 #include "reduce/invariants/inertia_integrals.hpp"
 #include "reduce/linalg/dense/factor_figures.hpp"
 #include "reduce/linalg/dense/progress.hpp"
+#include "reduce/recovery/node_motions.hpp"
 #include "reduce/recovery/stiffening.hpp"
 
 /// The result of a reduction: what a superelement file holds, in plain C++ and Eigen.
@@ -92,6 +93,7 @@ struct Reduction {
       stress_of_acceleration;  ///< 6 n_s x (6 + n_b) there, as StressModes has it; empty: not known
   Eigen::MatrixXf
       shapes;  ///< 3 n_v x n at the nodes asked for: rows x, y, z of the first, then the second, ...
+  std::optional<NodeMotions> nodes;  ///< if asked for: motions of all nodes
   /// n_b x n_b: Mhat^T F_rs Mhat, the dropped modes' share of the interface's dynamics (error_estimate.hpp)
   /// [kg s^2].
   Eigen::MatrixXd dropped;
