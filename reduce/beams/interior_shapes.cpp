@@ -12,7 +12,9 @@
 #include "reduce/cms/errors/choose_modes.hpp"
 #include "reduce/cms/errors/mode_choice.hpp"
 #include "reduce/cms/shapes/response_modes.hpp"
+#include "reduce/cms/shapes/sturm.hpp"
 #include "reduce/linalg/dense/dense.hpp"
+#include "reduce/linalg/factor/inertia.hpp"
 
 namespace flexura::reduce {
 
@@ -105,6 +107,34 @@ ExtraShapes craig_chang_shapes(const BeamInterior& in, const linalg::EigenProble
   return whole_shapes(problem, std::move(X), std::move(names));
 }
 
+// Counts the eigenvalues below the first left out.
+void certify_modes(const BeamInterior& in, const linalg::EigenPairs& pairs, ReductionReport& report) {
+  const auto n_modes = static_cast<int>(pairs.omega2.size());
+  if (n_modes == in.numbering.n_i) return;  // all there are
+  const double last = pairs.omega2(n_modes - 1);
+  if (pairs.counted) {
+    note_count(last, pairs.omega2_next, n_modes, report);
+    return;
+  }
+  const beam::SparseMatrix K = in.structure.stiffness(), M = in.structure.mass();
+  bool is_counted = false;
+  const auto count = [&](double omega2) {
+    const SplitMatrix shifted(K - omega2 * M, in.numbering);
+    const int n = linalg::IndefiniteFactor(*shifted.ii).n_negative();
+    is_counted = true;
+    return n;
+  };
+  try {
+    certify(count, last, pairs.omega2_next, n_modes, report);
+  } catch (const std::runtime_error& error) {
+    if (is_counted) throw;
+    report.certified_modes = -1;
+    report.notes.push_back(fmt::format(
+        "warning: that no mode was missed is not proved, as no factor is good enough to count them ({})",
+        error.what()));
+  }
+}
+
 std::vector<std::string> names_of_dofs(const BeamInterior& in) {
   constexpr const char* kDirections[] = {"u_x", "u_y", "u_z", "theta_x", "theta_y", "theta_z"};
   std::vector<std::string> names;
@@ -170,6 +200,7 @@ linalg::EigenPairs interior_shapes(const BeamInterior& in, const ReductionOption
   else if (wants_modes)
     solve_for(options.n_modes, options.omega_max);
   const Index n_normal = pairs.omega2.size();
+  if (options.certify && n_normal > 0) certify_modes(in, pairs, report);
   for (const double omega : options.response_omegas)
     add_to(extra, response_shapes(problem, pairs, Mhat, omega, names_of_dofs(in)));
   if (preloaded) add_to(extra, preload_shapes(in, problem, cases));

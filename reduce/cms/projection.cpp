@@ -164,6 +164,40 @@ NodeMotions all_node_motions(const Part& whole, const TiedModel& model, const Ba
   return model.leads() ? node_motions(whole, everywhere) : NodeMotions{};
 }
 
+namespace {
+
+// 12 n_bars x k: (u, theta) of both nodes of displacements U and the rotations of the nodes that turn.
+MatrixXd at_bars(const Part& part, const TiedModel& model, const MatrixXd& U, const MatrixXd& rotations) {
+  MatrixXd out = MatrixXd::Zero(12 * std::ssize(part.bars), U.cols());
+  Index row = 0;
+  for (const CutBar& bar : part.bars)
+    for (const mesh::Index node : bar.nodes) {
+      out.middleRows<3>(row) = U.middleRows<3>(3 * static_cast<Index>(node));
+      if (const int turns = model.numbering().rotation_of(node); turns >= 0)
+        out.middleRows<3>(row + 3) = rotations.middleRows<3>(3 * static_cast<Index>(turns));
+      row += 6;
+    }
+  return out;
+}
+
+}  // namespace
+
+BarMotions bar_motions(const Part& part, const TiedModel& model, const Basis& basis, const MatrixXd& T,
+                       const MatrixXd& left_out) {
+  BarMotions out{.nodes = at_bars(part, model, T, rotations_of_shapes(model, basis))};
+  std::vector<Index> rows;
+  for (const CutBar& bar : part.bars)
+    for (const CutBar::Mass& mass : bar.masses)
+      for (Index a = 0; a < 3; ++a) rows.push_back(3 * static_cast<Index>(mass.point) + a);
+  out.points = T(rows, Eigen::all);
+  if (left_out.cols() == 0) return out;
+  const MatrixXd at_rest = MatrixXd::Zero(model.n_b(), left_out.cols());
+  MatrixXd U;
+  model.expand(left_out, at_rest, U);
+  out.lacks = at_bars(part, model, U, model.motions().expand_rotations(left_out, at_rest));
+  return out;
+}
+
 MatrixXd stress_modes(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis,
                       const MatrixXd& T, const ReductionOptions& options) {
   if (model.share()) {

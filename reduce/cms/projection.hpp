@@ -33,6 +33,11 @@ void project_damping(const Part& part, const TiedModel& model, const Basis& basi
 NodeMotions all_node_motions(const Part& whole, const TiedModel& model, const Basis& basis,
                              const Eigen::MatrixXd& T);
 
+/// Motions of Part::bars by the shapes, and where the shapes lack `left_out` (n_i x k, the interfaces at rest; may be empty).  Not
+/// of a team.
+BarMotions bar_motions(const Part& part, const TiedModel& model, const Basis& basis, const Eigen::MatrixXd& T,
+                       const Eigen::MatrixXd& left_out);
+
 /// 6 n_s x n: stresses of the shapes at the options' stress nodes; on rank 0 of a team, which knows the whole part.
 Eigen::MatrixXd stress_modes(const Part& whole, const Part& part, const TiedModel& model, const Basis& basis,
                              const Eigen::MatrixXd& T, const ReductionOptions& options);

@@ -138,8 +138,8 @@ class ReductionStages {
 
   // The interior's answer to acceleration of the interface, wanted by estimates and response modes.
   void answer_acceleration() {
-    if (!fixed_modes_ || !(options_.estimate_error || by_goal() || !options_.response_omegas.empty() ||
-                           knows_left_out_stress()))
+    if (!fixed_modes_ ||
+        !(options_.estimate_error || by_goal() || !options_.response_omegas.empty() || knows_left_out()))
       return;
     const Index n_b = model_.n_b();
     MatrixXd U, M_U, boundary;
@@ -213,15 +213,16 @@ class ReductionStages {
     linalg::report(options_.progress, "projection", 1.0);
   }
 
-  // Elastic ties, modes of the free body and a team's shares leave it unknown.
-  bool knows_left_out_stress() const {
-    return wants_stress_ && fixed_modes_ && !has_elastic_ && !model_.share();
+  // What the modes left out give way, for stresses and section forces.  Elastic ties, modes of the free body and a team's shares
+  // leave it unknown.
+  bool knows_left_out() const {
+    return (wants_stress_ || !part_.bars.empty()) && fixed_modes_ && !has_elastic_ && !model_.share();
   }
 
   // What the body's own acceleration and the load cases deform beyond the shapes: F_rs p, p = -M a.  The fields are those
   // of StressModes::of_acceleration; preloads have their answers among the shapes.
   void find_left_out() {
-    if (!knows_left_out_stress() || model_.n_i() == 0) return;
+    if (!knows_left_out() || model_.n_i() == 0) return;
     const auto& points = model_.numbering().points();
     const Index n_nodes = model_.n_nodes(), n_b = model_.n_b();
     constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
@@ -334,6 +335,8 @@ class ReductionStages {
       NodeMotions nodes = all_node_motions(whole_, model_, basis_, T_);
       if (model_.leads()) reduction_.nodes = std::move(nodes);
     }
+    if (!part_.bars.empty() && !model_.share())
+      reduction_.bars = bar_motions(part_, model_, basis_, T_, left_out_);
     if (!wants_stress_) return;
     reduction_.stress_modes = stress_modes(whole_, part_, model_, basis_, T_, options_);
     if (!model_.share()) reduction_.stress_of_loads = stress_of_preloads(part_, options_);

@@ -33,6 +33,7 @@ ModesInput read_modes(const Section& in) {
       modes.response_omegas.push_back(2.0 * std::numbers::pi * f);
     }
   if (in.has("strike_modes")) modes.struck = in.integers("strike_modes");
+  modes.certify = in.flag("certify");
   modes.where = in.where();
   if (modes.accuracy > 0.0 && modes.effective_mass > 0.0)
     in.refuse("effective_mass", "modes are kept by accuracy or by effective mass, one of the two");
@@ -102,7 +103,6 @@ void read_request(const Section& in, ReductionRequest& request) {
 }
 
 void read_interface_modes(const Section& in, PartInput& part) {
-  part.modes.certify = in.flag("certify");
   InterfaceModesRequest& faces = part.modes.interface_modes;
   faces.count = in.integer("interface_count");
   if (in.has("interface_up_to")) {

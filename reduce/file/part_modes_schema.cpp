@@ -55,6 +55,8 @@ TableSchema modes_schema() {
       input::integers("strike_modes",
                       "natural modes of the free body to strike out, by number as `flexura modes --free` "
                       "prints them"),
+      input::flag("certify", "prove by Sylvester's law that no mode was missed; takes another factorisation")
+          .or_default("true"),
   };
   return s;
 }
@@ -75,8 +77,6 @@ TableSchema solid_modes_schema() {
                       "accuracy (\"1 %\") of the averaging tie's")
           .above(0)
           .below(1),
-      input::flag("certify", "prove by Sylvester's law that no mode was missed; takes another factorisation")
-          .or_default("true"),
   };
   s.keys.insert(s.keys.end(), more.begin(), more.end());
   return s;

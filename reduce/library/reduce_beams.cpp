@@ -29,9 +29,6 @@ superelement::Surface surface_of(const Picture& from) {
   return surface;
 }
 
-// Section forces of more members than this would be most of the file.
-constexpr std::size_t most_members = 1000;
-
 // The nodes of the model come first, those within members after them.  Nodes that only show a direction are left out.
 superelement::NodalMotions nodal_motions(const Structure& structure, const Eigen::MatrixXd& T,
                                          bool double_precision) {
@@ -151,6 +148,7 @@ Reduced reduce(const BeamPartInput& given, const ReduceOptions& options) {
                                  {"members", input.model.members.size()},
                                  {"solids", input.solids.size()}}},
                                {"reduction", reduction_json(reduction)},
+                               {"certificate", certificate_json(r)},
                                {"notes", notes},
                                {"seconds", seconds}};
   std::string text;
@@ -167,8 +165,11 @@ Reduced reduce(const BeamPartInput& given, const ReduceOptions& options) {
   if (reduction.n_q > 0)
     text +=
         fmt::format("  fixed-interface modes {:.5g} to {:.5g} Hz", frequencies.front(), frequencies.back()) +
-        (r.mode_residual.size() > 0 ? fmt::format(", greatest residual {:.1e}\n", r.mode_residual.maxCoeff())
-                                    : std::string("\n"));
+        (r.mode_residual.size() > 0 ? fmt::format(", greatest residual {:.1e}", r.mode_residual.maxCoeff())
+                                    : std::string()) +
+        (r.certified_modes >= 0 ? fmt::format("; none missed: {} below {:.5g} Hz by Sylvester's law\n",
+                                              r.certified_modes, frequency_hz(r.certified_omega2))
+                                : std::string("\n"));
 
   std::vector<superelement::LoadCase> cases;
   for (const LoadCase& load : input.cases)

@@ -8,10 +8,12 @@
 
 #include "mbs/base/documents/document.hpp"
 #include "reduce/library/attempt.hpp"
+#include "reduce/library/bar_sections.hpp"
 #include "reduce/library/comparison.hpp"
 #include "reduce/library/plausibility.hpp"
 #include "reduce/library/reduce.hpp"
 #include "reduce/library/request.hpp"
+#include "reduce/library/section_forces.hpp"
 #include "reduce/linalg/session/session.hpp"
 #include "reduce/superelement/mesh_hints.hpp"
 #include "reduce/superelement/mesh_report.hpp"
@@ -25,7 +27,6 @@ namespace {
 ReductionOptions options_of(const PartInput& input, const ReduceOptions& options) {
   ReductionOptions how = options_of(static_cast<const ReductionRequest&>(input));
   how.interface_modes = input.modes.interface_modes;
-  how.certify = input.modes.certify;
   how.estimate_mesh = true;
   how.team = options.team;
   how.storage.place =
@@ -111,6 +112,10 @@ Reduced reduce(const PartInput& input, const ReduceOptions& options) {
   if (damps_itself && !input.modes.damping_given)
     data.notes.push_back(
         "the part brings its damping along: no ratio of [modes] is added to it (damping = \"1 %\" does)");
+  if (part.bars.size() > most_members)
+    data.notes.push_back(
+        fmt::format("section forces for run time are kept of up to {} beams and rods, not of these {}",
+                    most_members, part.bars.size()));
   data.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   Report report = make_report(input, reduction, data);
 
@@ -122,6 +127,8 @@ Reduced reduce(const PartInput& input, const ReduceOptions& options) {
     stress_nodes.push_back(done.picture.nodes[static_cast<std::size_t>(vertex)]);
   std::optional<superelement::MeshError> mesh_error;
   if (reduction.mesh) mesh_error = to_mesh_error(*reduction.mesh, part, done.picture.nodes);
+  std::optional<superelement::SectionForces> sections;
+  if (part.bars.size() <= most_members) sections = bar_sections(part, reduction, done.modelled.loads);
   std::optional<superelement::NodalMotions> nodes;
   if (reduction.nodes) nodes = to_nodal_motions(*reduction.nodes, part.mesh, input.recovery.double_precision);
   superelement::Superelement& se = out.superelement;
@@ -129,6 +136,7 @@ Reduced reduce(const PartInput& input, const ReduceOptions& options) {
                        std::move(done.vertices));
   se.mesh_error = std::move(mesh_error);
   se.nodes = std::move(nodes);
+  se.sections = std::move(sections);
   se.modal_damping = ratio;
   if (se.stress && !finished) add_compliance(part, stress_nodes, *se.stress);
   if (user.has_log() && options.say) options.say("where time went, by PETSc:");

@@ -21,6 +21,7 @@ ReductionOptions options_of(const ReductionRequest& request) {
   if (modes.up_to > 0.0) how.accuracy = 0.5 * modes.accuracy;
   how.effective_mass = modes.effective_mass;
   how.response_omegas = modes.response_omegas;
+  how.certify = modes.certify;
   how.stiffening = request.stiffening;
   how.all_nodes = request.recovery.all_nodes;
   return how;

@@ -9,6 +9,9 @@
 
 namespace flexura::reduce {
 
+/// Section forces of more members than this would be most of the file.
+inline constexpr std::size_t most_members = 1000;
+
 /// A cut through a member.
 struct CutPlace {
   int element = 0;  ///< of the mesh

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <stdexcept>
 
 #include "beam/element/element.hpp"
@@ -33,6 +34,15 @@ class Points {
     part_.followers.push_back(std::move(follower));
     points_.push_back(x);
     return part_.followers.back().point;
+  }
+  // On the ends of a bar between the nodes, by forces at the point: forces on the nodes, brought there.
+  Eigen::Matrix<double, 12, 3> forces(mesh::Index point, const std::array<mesh::Index, 2>& nodes,
+                                      const beam::Matrix12d& to_ends) const {
+    Motion C = Motion::Zero();
+    const Follower& follower =
+        part_.followers[part_.followers.size() - static_cast<std::size_t>(next_ - point)];
+    for (const auto& [node, of_end] : follower.from) C.middleCols<6>(node == nodes[0] ? 0 : 6) = of_end;
+    return to_ends * C.transpose();
   }
   void finish() {
     mesh::Mesh& mesh = part_.mesh;
@@ -150,6 +160,18 @@ Eigen::Matrix<double, 6, 12> stress_at(const mesh::ImportedBar& from, const Bar&
   return tensor * sigma;
 }
 
+// Their numbers in the deck; "7.1" and "7.2" where several have one, as the halves of an element of three nodes.
+std::vector<std::string> names_of(const std::vector<mesh::ImportedBar>& bars) {
+  std::map<std::int64_t, std::pair<int, int>> uses;  // how many there are, how many are named
+  for (const mesh::ImportedBar& bar : bars) ++uses[bar.label].first;
+  std::vector<std::string> names;
+  for (const mesh::ImportedBar& bar : bars) {
+    auto& [count, named] = uses[bar.label];
+    names.push_back(count == 1 ? fmt::format("{}", bar.label) : fmt::format("{}.{}", bar.label, ++named));
+  }
+  return names;
+}
+
 template <std::size_t n>
 void add_boundary(mesh::CellType type, const std::vector<std::array<mesh::Index, n>>& cells,
                   mesh::Mesh& mesh) {
@@ -168,6 +190,7 @@ void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
                                 0.8611363115940526};
   constexpr double kWeight[4] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
                                  0.3478548451374538};
+  const std::vector<std::string> names = names_of(bars);
   Points points(part);
   std::vector<std::array<mesh::Index, 4>> sides;
   std::vector<std::array<mesh::Index, 3>> faces;
@@ -185,6 +208,13 @@ void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
     if (damping.beta != 0.0) element.D = damping.beta * element.K;
     if (damping.loss != 0.0) element.K_loss = damping.loss * element.K;
     part.frames.push_back(std::move(element));
+    CutBar cut{.name = names[static_cast<std::size_t>(&from - bars.data())],
+               .nodes = from.nodes,
+               .R_BE = bar.place.R_BE,
+               .p_Bo1_B = bar.place.p_Bo1_B,
+               .length = l,
+               .ends = bar.ends};
+    const beam::Matrix12d to_ends = bar.place.transform().inverse().transpose();
 
     // Mass, and the section's moments about its principal axes.
     const bool apart = from.extra_mass_at != from.centroid && from.extra_mass_per_length > 0.0;
@@ -204,8 +234,12 @@ void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
         return points.add(on_axis + arm, from.nodes,
                           move.topRows<3>() - cross_matrix(arm) * move.bottomRows<3>());
       };
+      const auto weigh = [&](mesh::Index point, double kg) {
+        part.masses.push_back({point, kg, damping.alpha});
+        cut.masses.push_back({point, kg, points.forces(point, from.nodes, to_ends)});
+      };
       const mesh::Index middle = add(centroid);
-      if (apart) part.masses.push_back({add(extra_at), from.extra_mass_per_length * share, damping.alpha});
+      if (apart) weigh(add(extra_at), from.extra_mass_per_length * share);
       double left = mass;
       for (int k = 0; k < 2; ++k) {
         const double moment = axes.eigenvalues()(k);
@@ -213,13 +247,14 @@ void add_bars(const std::vector<mesh::ImportedBar>& bars, Part& part) {
         // 2 w r^2 = moment with w = mass/6, so that a third stays on the axis.
         const double w = mass / 6.0, reach = std::sqrt(moment / (2.0 * w));
         const Vector3d r = reach * bar.place.R_BE.rightCols<2>() * axes.eigenvectors().col(k);
-        for (const double way : {-1.0, 1.0}) {
-          part.masses.push_back({add(centroid + way * r), w * share, damping.alpha});
-        }
+        for (const double way : {-1.0, 1.0}) weigh(add(centroid + way * r), w * share);
         left -= 2.0 * w;
       }
-      if (left > 0.0) part.masses.push_back({middle, left * share, damping.alpha});
+      if (left > 0.0) weigh(middle, left * share);
     }
+    for (std::size_t k = 0; k < cut.turning.size(); ++k)
+      cut.turning[k] = bar.move(static_cast<double>(k) / 3.0 * l).bottomRows<3>();
+    part.bars.push_back(std::move(cut));
 
     // What is seen of it: its outline, or a rectangle with the same radii of gyration.
     const bool is_rod = from.I_yy == 0.0 && from.I_zz == 0.0;

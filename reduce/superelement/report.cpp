@@ -116,11 +116,6 @@ nlohmann::json errors_json(const std::vector<ModeError>& errors) {
   return rows;
 }
 
-nlohmann::json certificate_json(const ReductionReport& r) {
-  if (r.certified_modes < 0) return nullptr;
-  return {{"modes", r.certified_modes}, {"below_hz", frequency_hz(r.certified_omega2)}};
-}
-
 /// The frequency to which the reduced frequencies are within `bound`, by the safe estimate of the dropped modes and the
 /// mesh's share.
 double good_to(const std::vector<ModeError>& errors, const MeshShare& mesh, double bound) {
@@ -167,6 +162,11 @@ std::string verdict_of(const ReportData& data, double accuracy, bool stresses) {
 }
 
 }  // namespace
+
+nlohmann::json certificate_json(const ReductionReport& r) {
+  if (r.certified_modes < 0) return nullptr;
+  return {{"modes", r.certified_modes}, {"below_hz", frequency_hz(r.certified_omega2)}};
+}
 
 nlohmann::json reduction_json(const Reduction& reduction) {
   const ReductionReport& r = reduction.report;

@@ -38,6 +38,9 @@ struct ReportData {
 /// Sizes, residuals, memory and time by stage.
 nlohmann::json reduction_json(const Reduction& reduction);
 
+/// How many modes were counted, and below which frequency; null where they were not.
+nlohmann::json certificate_json(const ReductionReport& report);
+
 /// Says in its last line whether to trust the superelement.
 Report make_report(const PartInput& input, const Reduction& reduction, ReportData& data);
 

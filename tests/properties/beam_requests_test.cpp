@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "mbs/superelement/modes.hpp"
@@ -55,6 +56,35 @@ void for_random_frames(int cases, const Judge& judge) {
     if (testing::Test::HasFailure()) return;
   }
   EXPECT_EQ(judged, cases);
+}
+
+// The certificate counts the modes below a frequency between the last kept and the first left out, and there are as many of the
+// structure's own eigenvalues.
+TEST(BeamRequests, CertificatesCountTheModes) {
+  int judged = 0;
+  for_random_frames(200, [&](Chance& chance, const test::Folder& folder, const Frame& frame) {
+    VectorXd all = frame.full.omega2;
+    std::sort(all.begin(), all.end());
+    const auto kept = 1 + chance.below(static_cast<int>(all.size()) / 2);
+    const Superelement se =
+        reduced(folder, frame.text, {fmt::format("modes.count={}", kept), "mesh.elements=3"});
+    const auto certificate = nlohmann::json::parse(se.report_json).at("certificate");
+    if (certificate.is_null()) return;
+    ++judged;
+    EXPECT_EQ(certificate.at("modes").get<int>(), se.n_q);
+    const double limit = kTwoPi * certificate.at("below_hz").get<double>();
+    EXPECT_EQ((all.array() < limit * limit).count(), se.n_q);
+  });
+  EXPECT_GT(judged, 180);  // the others have no factor to count with, which is said
+  const test::Folder folder;
+  Chance chance(1);
+  const RandomPart part =
+      random_part(chance, Kind::beams, folder, {.all_directions = true, .fewest_modes = 1});
+  ASSERT_EQ(part.refused, "");
+  EXPECT_TRUE(nlohmann::json::parse(reduced(folder, part.text, {"modes.certify=false"}).report_json)
+
+                  .at("certificate")
+                  .is_null());
 }
 
 // What the interfaces feel of the body at a frequency.

@@ -16,14 +16,18 @@ input::TableSchema section_point_table() {
   TableSchema table;
   table.name = "section_point";
   table.doc =
-      "A place on a member of a beam part whose section forces are stored: N, V_y, V_z, T, M_y, M_z on the "
+      "A place on a member of a beam part, or on a beam or rod of a deck (by the element's number), whose "
+      "section "
+      "forces are stored: N, V_y, V_z, T, M_y, M_z on the "
       "section that looks along the member, from its first node to its second. What bears on the part "
       "between "
       "its interfaces counts: weight, inertia, load cases.";
   table.keys = {
       vector3("position", dim::length,
               "in the body's frame, undeformed: the nearest place of all members, or of `member`"),
-      text("member", "the member; it must be named where position is on several, as at a node"),
+      text("member",
+           "the member (\"101\": element 101 of a deck); it must be named where position is on several, as "
+           "at a node"),
       quantity("along", dim::length, "instead of position: from the member's first node").at_least(0.0),
       quantity("share", dim::none,
                "instead of position: of the member's length, 0 at its first node, 1 at its second")
@@ -51,7 +55,7 @@ int member_named(const Section& point, const SectionPoints& points) {
   if (found == known.end())
     point.refuse("member",
                  fmt::format("the superelement has no member \"{}\"{}", name, input::suggestion(name, known)),
-                 "name one of the beam part's file");
+                 "name one of the part's file");
   return static_cast<int>(found - known.begin());
 }
 
@@ -123,7 +127,8 @@ std::shared_ptr<const SectionPoints> read_section_points(const Section& s,
                                                          std::vector<std::string>& notes) {
   if (!se.sections || se.sections->members.empty())
     s.refuse("section_point", "the superelement has no section forces",
-             "reduce a beam part (members with sections); solid parts have stress_point");
+             "reduce a beam part (members with sections) or a deck with beams or rods; solid parts have "
+             "stress_point");
   auto out = std::make_shared<SectionPoints>(*se.sections, body, left_out_modes(se, body, nodes),
                                              StiffeningLoads(se, nodes));
   for (const auto& [name, point] : s.table_map("section_point"))
@@ -132,7 +137,7 @@ std::shared_ptr<const SectionPoints> read_section_points(const Section& s,
     notes.push_back(fmt::format(
         "{}: the superelement does not know what weight, inertia and load cases bear on a section within a "
         "member, so the section forces lack that, and each is of the nearest place known; reduce the part "
-        "again",
+        "again, as a craig_bampton set where it is a deck",
         s.where("section_point")));
   return out;
 }

@@ -86,7 +86,9 @@ void add_own_loads(const mbs::BodyDescription& body, const std::vector<std::stri
     if (!body.sections->is_whole())
       add(remedy);
     else if (!body.sections->knows_stiffening())
-      add("they lack what tension along its members bears on a cut; reduce the part again");
+      add("they lack what tension along its members bears on a cut, which beam parts know and decks do not; "
+          "of a beam "
+          "part: reduce it again");
     if (!body.flexible->acts_back())
       add("a one-way body's vibration is in its cuts and not in its joints' forces; compare with fidelity = "
           "\"modal\"");

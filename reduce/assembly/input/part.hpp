@@ -92,6 +92,26 @@ struct BeamStress {
   Eigen::Matrix<double, 6, 12> of_nodes = Eigen::Matrix<double, 6, 12>::Zero();
 };
 
+/// A beam or rod of a deck, one of `frames`, for its section forces.
+struct CutBar {
+  std::string name;
+  std::array<mesh::Index, 2> nodes{-1, -1};
+  Eigen::Matrix3d R_BE = Eigen::Matrix3d::Identity();  ///< columns: its axes
+  Eigen::Vector3d p_Bo1_B = Eigen::Vector3d::Zero();   ///< its first end [m]
+  double length = 0.0;
+  /// Forces and moments on its ends, its axes, by (u, theta) of both nodes: 12 x 12.
+  Eigen::Matrix<double, 12, 12> ends = Eigen::Matrix<double, 12, 12>::Zero();
+  /// Its mass: a force at the point is one on the ends, its axes, by `on_ends`.
+  struct Mass {
+    mesh::Index point = -1;
+    double mass = 0.0;  ///< [kg]
+    Eigen::Matrix<double, 12, 3> on_ends = Eigen::Matrix<double, 12, 3>::Zero();
+  };
+  std::vector<Mass> masses = {};
+  /// Rotation of the section at 0, l/3, 2 l/3, l by (u, theta) of both nodes, in B.
+  std::array<Eigen::Matrix<double, 3, 12>, 4> turning = {};
+};
+
 /// A point of the mesh without dofs of its own, which moves with nodes that have six:
 /// u = sum C (u_node, theta_node).  Points on the skins of shells, in and around beams, beside a node.
 struct Follower {
@@ -130,6 +150,7 @@ struct Part {
   std::vector<Link> links;
   std::vector<FrameElement> frames;
   std::vector<BeamStress> beam_stresses;
+  std::vector<CutBar> bars;
   std::vector<ShellSkins> skins;  ///< of each block of mesh.shells, once they are made
   std::vector<Follower>
       followers;  ///< NodalMass on them (also below zero on their nodes) makes rotary inertia

@@ -47,6 +47,15 @@ struct ReducedLoad {
   bool is_preload = false;
 };
 
+/// What the section forces of Part::bars are made of (reduce/library/bar_sections.hpp).
+struct BarMotions {
+  Eigen::MatrixXd nodes;   ///< 12 n_bars x n: (u, theta) of both nodes by the shapes
+  Eigen::MatrixXd points;  ///< 3 n_points x n: displacements of their masses, bar by bar
+  /// 12 n_bars x (6 + n_b + loads): what the shapes lack of the answers to the fields of StressModes::of_acceleration, and to the
+  /// load cases; empty: not known.
+  Eigen::MatrixXd lacks;
+};
+
 /// What the reduction did and how well, for reports.
 struct ReductionReport {
   int n_nodes = 0, n_cells = 0;
@@ -94,6 +103,7 @@ struct Reduction {
   Eigen::MatrixXf
       shapes;  ///< 3 n_v x n at the nodes asked for: rows x, y, z of the first, then the second, ...
   std::optional<NodeMotions> nodes;  ///< if asked for: motions of all nodes
+  std::optional<BarMotions> bars;    ///< of parts with bars, but not of a team
   /// n_b x n_b: Mhat^T F_rs Mhat, the dropped modes' share of the interface's dynamics (error_estimate.hpp)
   /// [kg s^2].
   Eigen::MatrixXd dropped;

@@ -152,6 +152,8 @@ void change_shapes(Reduction& r, const CanonicalShapes& shapes) {
   }
   if (r.stress_modes.size() > 0) r.stress_modes = linalg::times(r.stress_modes, Y);
   if (r.shapes.size() > 0) r.shapes = (r.shapes * Y.cast<float>()).eval();
+  if (r.bars)
+    r.bars->nodes = linalg::times(r.bars->nodes, Y), r.bars->points = linalg::times(r.bars->points, Y);
   if (r.nodes) r.nodes->T = linalg::times(r.nodes->T, Y);
   r.dropped.resize(0, 0);
   r.dropped_growth.resize(0, 0);

@@ -26,14 +26,20 @@ int count_modes_below(const TiedModel& model, double omega2, std::vector<int> or
 
 void certify(const TiedModel& model, const std::vector<int>& order, double omega2_last, double omega2_next,
              int n_modes, ReductionReport& report, const linalg::FactorStorage& storage) {
-  const double gap = gap_above(omega2_last, omega2_next);
   linalg::FactorStorage single = storage;
   single.single = true;  // half the time: the factor is only to count
+  certify([&](double omega2) { return count_modes_below(model, omega2, order, single); }, omega2_last,
+          omega2_next, n_modes, report);
+}
+
+void certify(const std::function<int(double omega2)>& count, double omega2_last, double omega2_next,
+             int n_modes, ReductionReport& report) {
+  const double gap = gap_above(omega2_last, omega2_next);
   constexpr double kPlaces[] = {0.5, 0.35, 0.65, 0.42, 0.58};
   for (const double place : kPlaces) {
     report.certified_omega2 = omega2_last + place * gap;
     try {
-      report.certified_modes = count_modes_below(model, report.certified_omega2, order, single);
+      report.certified_modes = count(report.certified_omega2);
       break;
     } catch (const std::runtime_error&) {
       if (place == std::end(kPlaces)[-1]) throw;

@@ -1,6 +1,7 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "reduce/assembly/tied_model.hpp"
@@ -20,6 +21,10 @@ int count_modes_below(const TiedModel& model, double omega2, std::vector<int> or
 /// is moved within that gap.  std::runtime_error where the counts differ.
 void certify(const TiedModel& model, const std::vector<int>& order, double omega2_last, double omega2_next,
              int n_modes, ReductionReport& report, const linalg::FactorStorage& storage = {});
+
+/// The same with any count of the eigenvalues below a limit, which throws std::runtime_error where it must be moved.
+void certify(const std::function<int(double omega2)>& count, double omega2_last, double omega2_next,
+             int n_modes, ReductionReport& report);
 
 /// What slices of the spectrum have counted already (linalg::EigenPairs::counted): no mode up to the last is missing.
 void note_count(double omega2_last, double omega2_next, int n_modes, ReductionReport& report);
