@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "mbs/solver/algebra/accelerations.hpp"
+#include "mbs/solver/start/apply_state.hpp"
 
 namespace flexura::mbs {
 namespace {
@@ -41,6 +42,60 @@ Simulation::Simulation(const Mechanism& m, const SimulationOptions& options) {
     throw std::invalid_argument(fmt::format("a fixed step goes with {}; name one of them, or leave it out",
                                             names_of_kinds(&IntegratorKind::takes_fixed_steps)));
   assemble(m, Eigen::VectorXd::Zero(m.n_inputs()));
+}
+
+Simulation::Simulation(const PreparedMechanism& file, const SimulationOptions& options)
+    : Simulation(Mechanism(file.file.description), options) {
+  sets_ = file.file.states;
+  deformable_ = file.file.deformable;
+  if (file.file.solver.has("initial_state")) start_from(file.file.solver.text("initial_state"));
+}
+
+std::vector<std::string> Simulation::state_sets() const {
+  std::vector<std::string> names = {kZeroState};
+  for (const StateSet& set : sets_) names.push_back(set.name);
+  return names;
+}
+
+void Simulation::add_state_set(const StateSet& set) {
+  if (set.name == kZeroState)
+    throw std::invalid_argument(
+        fmt::format("\"{}\" is the set with every state zero; choose another name", kZeroState));
+  std::erase_if(sets_, [&](const StateSet& other) { return other.name == set.name; });
+  sets_.push_back(set);
+}
+
+void Simulation::start_from(const std::string& name) {
+  const StateSet set = find_state_set(sets_, name, "start_from");
+  StartedMechanism anew;
+  anew.options = started_.options;
+  anew.mechanism = std::make_unique<Mechanism>(started_.mechanism->description());
+  const Mechanism& m = *anew.mechanism;
+  GivenState given;
+  std::vector<std::string> notes;
+  const auto apply = [&](double t) {
+    given = {m.given_positions(), m.given_velocities(), false};
+    anew.state = m.initial_state(t);
+    anew.state.u = started_.state.u;
+    notes = apply_state(set, deformable_, m, anew.state, given);
+    return anew.state.t;
+  };
+  // Drives stand where they are at the set's time.
+  if (const double t = apply(0.0); t != 0.0) apply(t);
+  anew.options.start_time = anew.state.t;
+  if (!(anew.state.t < anew.options.end_time))
+    throw std::invalid_argument(
+        fmt::format("state set \"{}\" is at {} s, and the simulation ends at {} s; give it a later end_time",
+                    name, anew.state.t, anew.options.end_time));
+  assemble_start(anew, given);
+  if (set.equilibrium) start_in_equilibrium(anew);
+  anew.notes.insert(anew.notes.begin(), notes.begin(), notes.end());
+  started_ = std::move(anew);
+  scratch_ = started_.mechanism->make_scratch();
+  run_.reset();
+  energy_ = {};
+  length_ = 0.0;
+  places_.clear();
 }
 
 // At its start, with `u` added to its inputs.

@@ -4,12 +4,13 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "mbs/library/same_layout.hpp"
 #include "mbs/mechanism/mechanism.hpp"
 #include "mbs/solver/accuracy/integrator_kind.hpp"
 #include "mbs/solver/run/guided_run.hpp"
-#include "mbs/solver/start/start.hpp"
+#include "mbs/solver/start/prepare.hpp"
 
 namespace flexura::mbs {
 
@@ -37,6 +38,20 @@ class Simulation {
  public:
   /// Assembles the mechanism at t = 0 (`m` stays as it is).  Throws std::runtime_error where it cannot be assembled.
   explicit Simulation(const Mechanism& m, const SimulationOptions& options = {});
+
+  /// That of a mechanism file: starts as its solver.initial_state says, and knows its sets of states.  Of [solver] nothing else is
+  /// taken.
+  explicit Simulation(const PreparedMechanism& file, const SimulationOptions& options = {});
+
+  /// The sets of states that start_from() knows: "zero", then [state.NAME] of the file and those of add_state_set().
+  std::vector<std::string> state_sets() const;
+  /// Takes the place of a set of this name.  Throws std::invalid_argument for one called "zero".
+  void add_state_set(const StateSet& set);
+  /// Assembles the mechanism anew in this set of states, at the set's time or that of the first start, whatever it has done; what the
+  /// set does not name is as the mechanism has it, inputs keep their values.  notes() are those of this start.  Throws
+  /// input::InputError for an unknown set and for states that are not there, std::runtime_error where it cannot be assembled;
+  /// then nothing has changed.
+  void start_from(const std::string& set);
 
   double time() const { return started_.state.t; }
   const State& state() const { return started_.state; }
@@ -67,6 +82,8 @@ class Simulation {
   void assemble(const Mechanism& m, const Eigen::VectorXd& u);
 
   StartedMechanism started_;
+  std::vector<StateSet> sets_;
+  std::vector<std::string> deformable_;
   std::unique_ptr<Equations::Scratch> scratch_;
   EnergyAccount energy_;
   std::unique_ptr<GuidedRun> run_;  ///< from the first advance() on

@@ -10,22 +10,21 @@ namespace flexura::mbs {
 namespace {
 
 // "rod" of "rod.mode_3_rate": the body whose deformation this is, where one of the file's may deform.
-std::string body_of(const std::string& state, const MechanismFile& file) {
-  for (const std::string& body : file.deformable)
+std::string body_of(const std::string& state, const std::vector<std::string>& deformable,
+                    const Mechanism& m) {
+  for (const std::string& body : deformable)
     if (state.starts_with(body + ".")) return body;
   const auto mode = state.rfind(".mode_");  // of a subsystem's body
   if (mode == std::string::npos) return "";
   const std::string body = state.substr(0, mode);
-  return std::ranges::find(file.description.bodies, body, &BodyDescription::name) !=
-                 file.description.bodies.end()
-             ? body
-             : "";
+  const auto& bodies = m.description().bodies;
+  return std::ranges::find(bodies, body, &BodyDescription::name) != bodies.end() ? body : "";
 }
 
 class Application {
  public:
-  Application(std::string source, const MechanismFile& file, const Mechanism& m, State& s)
-      : source_(std::move(source)), file_(file), m_(m), s_(s) {
+  Application(std::string source, const std::vector<std::string>& deformable, const Mechanism& m, State& s)
+      : source_(std::move(source)), deformable_(deformable), m_(m), s_(s) {
     position_.assign(s.p.size(), false);
     velocity_.assign(s.v.size(), false);
   }
@@ -42,11 +41,11 @@ class Application {
   }
 
   void take(const std::filesystem::path& path) {
-    const StateChange change =
-        read_state(path, m_, s_, [this](const std::string& state) { return !body_of(state, file_).empty(); });
+    const StateChange change = read_state(
+        path, m_, s_, [this](const std::string& state) { return !body_of(state, deformable_, m_).empty(); });
     for (std::size_t i = 0; i < position_.size(); ++i) position_[i] = position_[i] || change.position[i];
     for (std::size_t i = 0; i < velocity_.size(); ++i) velocity_[i] = velocity_[i] || change.velocity[i];
-    for (const std::string& state : change.left_out) ++left_out_[body_of(state, file_)];
+    for (const std::string& state : change.left_out) ++left_out_[body_of(state, deformable_, m_)];
     if (change.is_whole) tell_missing(change);
   }
 
@@ -77,7 +76,7 @@ class Application {
         put(
             s_.a, [&](int i) { return m_.name_of_algebraic(i); }, nullptr))
       return;
-    const std::string body = body_of(value.state, file_);
+    const std::string body = body_of(value.state, deformable_, m_);
     if (body.empty())
       throw input::InputError(value.where +
                               ": is none of the mechanism's states; take one that flexura assemble lists" +
@@ -103,7 +102,7 @@ class Application {
   void tell_missing(const StateChange& change) {
     std::map<std::string, int> missing;
     for (std::size_t i = 0; i < change.position.size(); ++i)
-      if (!change.position[i]) ++missing[body_of(m_.name_of_position(static_cast<int>(i)), file_)];
+      if (!change.position[i]) ++missing[body_of(m_.name_of_position(static_cast<int>(i)), deformable_, m_)];
     for (const auto& [body, count] : missing)
       if (!body.empty())
         notes_.push_back(fmt::format("{}: holds no value of {} {} of \"{}\"; they start at zero", source_,
@@ -118,7 +117,7 @@ class Application {
   }
 
   std::string source_;
-  const MechanismFile& file_;
+  const std::vector<std::string>& deformable_;
   const Mechanism& m_;
   State& s_;
   std::vector<bool> position_, velocity_;
@@ -128,9 +127,9 @@ class Application {
 
 }  // namespace
 
-std::vector<std::string> apply_state(const StateSet& set, const MechanismFile& file, const Mechanism& m,
-                                     State& s, GivenState& given) {
-  Application application(fmt::format("state \"{}\"", set.name), file, m, s);
+std::vector<std::string> apply_state(const StateSet& set, const std::vector<std::string>& deformable,
+                                     const Mechanism& m, State& s, GivenState& given) {
+  Application application(fmt::format("state \"{}\"", set.name), deformable, m, s);
   if (set.zero) application.zero();
   if (!set.file.empty()) application.take(set.file);
   for (const StateSet::Value& value : set.values) application.take(value);
@@ -138,9 +137,10 @@ std::vector<std::string> apply_state(const StateSet& set, const MechanismFile& f
   return application.finish(given);
 }
 
-std::vector<std::string> apply_state(const std::filesystem::path& path, const MechanismFile& file,
-                                     const Mechanism& m, State& s, GivenState& given) {
-  Application application(path.string(), file, m, s);
+std::vector<std::string> apply_state(const std::filesystem::path& path,
+                                     const std::vector<std::string>& deformable, const Mechanism& m, State& s,
+                                     GivenState& given) {
+  Application application(path.string(), deformable, m, s);
   application.take(path);
   return application.finish(given);
 }

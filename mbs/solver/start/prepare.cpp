@@ -26,10 +26,10 @@ GivenState start_state(PreparedMechanism& out, const std::optional<StateSet>& se
   std::vector<std::string> notes;
   const auto apply = [&](double time) {
     out.state = m.initial_state(time);
-    if (set) notes = apply_state(*set, out.file, m, out.state, given);
+    if (set) notes = apply_state(*set, out.file.deformable, m, out.state, given);
     if (time == out.options.start_time) out.given_start_time = out.state.t;
     if (state_file.empty()) return;
-    const std::vector<std::string> more = apply_state(state_file, out.file, m, out.state, given);
+    const std::vector<std::string> more = apply_state(state_file, out.file.deformable, m, out.state, given);
     notes.insert(notes.end(), more.begin(), more.end());
   };
   apply(out.options.start_time);
@@ -39,8 +39,9 @@ GivenState start_state(PreparedMechanism& out, const std::optional<StateSet>& se
   return given;
 }
 
-// Speeds stay: of a rotor whose shaft sags.
-void start_in_equilibrium(PreparedMechanism& out) {
+}  // namespace
+
+void start_in_equilibrium(StartedMechanism& out) {
   const Eigen::VectorXd v = out.state.v;
   out.state.v.setZero();
   const StaticsReport found = find_equilibrium(*out.mechanism, out.state);
@@ -53,8 +54,6 @@ void start_in_equilibrium(PreparedMechanism& out) {
   out.notes.push_back(
       fmt::format("starts from the static equilibrium, largest force left {:.2g} N", found.force_residual));
 }
-
-}  // namespace
 
 PreparedMechanism prepare(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                           const std::filesystem::path& state_file, std::shared_ptr<PreparationCache> cache) {

@@ -26,6 +26,9 @@ struct PreparedMechanism : StartedMechanism {
   ModelChoice choice;
 };
 
+/// Moves what is assembled into static equilibrium; speeds stay, as of a rotor whose shaft sags.
+void start_in_equilibrium(StartedMechanism& out);
+
 /// Reads, builds, assembles on all levels and drops redundant constraint rows.  Throws input::InputError for
 /// a bad file and for a mechanism that cannot be assembled, std::invalid_argument for a description that
 /// cannot move.  A state file (state_file.hpp) sets the states that it names before the assembly, which
