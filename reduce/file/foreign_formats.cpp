@@ -26,7 +26,11 @@ const Format kFormats[] = {
      "an Altair H3D file, whose binary format is not public",
      "write the body as FlexData (.xml, with motion's FlexDataWriter), or give the finite-element model "
      "(.inp, .bdf)"},
-    {{".op2", ".op4", ".pch"}, "a results file of Nastran", kFromModel},
+    {{".op2", ".op4", ".pch"},
+     "a results file of Nastran",
+     "give the finite-element model (.bdf) or a table of its nodes, with the matrices (DMIG, OUTPUT4) in "
+     "[matrices], or modes in "
+     "[mode_vectors]"},
     {{".rst", ".rfl", ".full", ".mode", ".sub"}, "a binary file of Ansys", kFromModel},
     {{".cdb"},
      "a model of Ansys (CDWRITE)",

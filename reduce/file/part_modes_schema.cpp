@@ -90,7 +90,8 @@ TableSchema mode_vectors_schema() {
           "attachment modes, in any mixture), with their reduced matrices, instead of a reduction here. They "
           "are orthonormalised together with the six rigid motions; the interfaces' dofs become coordinates "
           "as usual. The geometry file gives the nodes: a mesh, or a table (.csv, .txt). Dense matrices: "
-          "Matrix Market, or text with a row in each line, also gzipped. Of [modes] only `damping` and "
+          "Matrix Market, or text with a row in each line, also gzipped, or OUTPUT4 of Nastran (.op4). Of "
+          "[modes] only `damping` and "
           "`strike_modes` apply."};
   s.keys = {
       input::text(

@@ -184,10 +184,12 @@ TableSchema matrices_schema() {
       .name = "matrices",
       .doc =
           "Stiffness, mass and damping as another program assembled them, instead of the elements': Matrix "
-          "Market, Abaqus' coordinate format or matrix input, DMIG of Nastran (bulk data or .pch, of grid "
-          "points; "
-          "of several in a file the one whose name begins with K, M or B), also gzipped. The geometry file "
-          "gives "
+          "Market, Abaqus' coordinate format or matrix input, DMIG of Nastran (bulk data or .pch), also "
+          "gzipped, or its "
+          "OUTPUT4 (.op4, binary or not); "
+          "of several in a file the one whose name begins with K, M or B. DMIG with scalar points is a body "
+          "that is "
+          "reduced already: grid points are interfaces, scalar points modes. The geometry file gives "
           "the nodes: a mesh, or a table of node number, x, y, z (.csv, .txt). Rows go by "
           "ascending node number, three directions each, or six where nodes of shells and beams have "
           "rotations: "

@@ -96,7 +96,8 @@ Eigen::MatrixXd averaged_at_nodes(const Eigen::MatrixXd& given, bool by_corners,
 /// The vectors and matrices of the part file in SI: V has no unit or that of the file's lengths, in which
 /// V^T K V and V^T M V were computed, so that forces per length and masses count as those of the file.
 FinishedModes load_finished_modes(const PartInput& input, const mesh::Mesh& mesh) {
-  FinishedModes modes{.V = read_dense(input.finished.vectors), .K = read_dense(input.finished.stiffness)};
+  FinishedModes modes{.V = read_dense(input.finished.vectors),
+                      .K = read_dense(input.finished.stiffness, 'K')};
   if (const Eigen::Index n = mesh.n_nodes(); modes.V.rows() == 6 * n) {
     const Eigen::MatrixXd both = modes.V;
     modes.V.resize(3 * n, both.cols());
@@ -107,9 +108,9 @@ FinishedModes load_finished_modes(const PartInput& input, const mesh::Mesh& mesh
     }
   }
   modes.K *= input.unit_mass;
-  if (!input.finished.damping.empty()) modes.D = input.unit_mass * read_dense(input.finished.damping);
+  if (!input.finished.damping.empty()) modes.D = input.unit_mass * read_dense(input.finished.damping, 'B');
   if (!input.finished.reduced_mass.empty())
-    modes.M = input.unit_mass * read_dense(input.finished.reduced_mass);
+    modes.M = input.unit_mass * read_dense(input.finished.reduced_mass, 'M');
   // Stress per displacement: (M L^-1 T^-2) / L.
   if (!input.finished.stress.empty()) {
     const Eigen::MatrixXd stress =

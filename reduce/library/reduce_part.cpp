@@ -12,6 +12,7 @@
 #include "reduce/library/comparison.hpp"
 #include "reduce/library/plausibility.hpp"
 #include "reduce/library/reduce.hpp"
+#include "reduce/library/reduce_modal_matrices.hpp"
 #include "reduce/library/request.hpp"
 #include "reduce/library/section_forces.hpp"
 #include "reduce/linalg/session/session.hpp"
@@ -85,6 +86,7 @@ bool brings_damping(const PartInput& input, const Part& part) {
 }  // namespace
 
 Reduced reduce(const PartInput& input, const ReduceOptions& options) {
+  if (is_reduced_body(input)) return reduce_reduced_body(input);
   const auto start = std::chrono::steady_clock::now();
   const linalg::Session session;
   const linalg::UserOptions user(petsc_of(input, options), options.team);

@@ -223,6 +223,12 @@ std::string refusal_of(const PartInput& input, const std::vector<std::string>& w
 
 }  // namespace
 
+mesh::Mesh load_nodes(const PartInput& input) {
+  mesh::ImportedModel model = read_foreign(input);
+  mesh::scale_to_si(model, input.unit_length, input.unit_mass, 1.0);
+  return std::move(model.mesh);
+}
+
 PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress) {
   PartMesh part;
   if (input.format == PartFormat::cad) {

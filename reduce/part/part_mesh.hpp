@@ -49,4 +49,7 @@ struct PartMesh {
 /// deck has none, the part file must give exactly one.  Throws input::InputError and what the readers throw.
 PartMesh load_part_mesh(const PartInput& input, const mesh::Progress& progress);
 
+/// The nodes alone of a mesh file or a table, in m, whatever else it lacks.
+mesh::Mesh load_nodes(const PartInput& input);
+
 }  // namespace flexura::reduce

@@ -12,6 +12,7 @@
 #include <unordered_map>
 
 #include "reduce/part/nastran_matrices.hpp"
+#include "reduce/part/op4.hpp"
 #include "reduce/part/text_lines.hpp"
 
 namespace flexura::reduce {
@@ -42,15 +43,35 @@ class BlockReader {
 
   /// `letter`: which of several matrices of a Nastran file; `rows`: of each node, 3 or 6, 0: as the file tells by its size.
   Blocks read(char letter, int rows) {
-    if (is_nastran_text(path_)) {
+    if (is_op4(path_)) {
+      read_op4(
+          path_, letter,
+          [&](const Op4Head& head) {
+            const std::int64_t n_nodes = mesh_.n_nodes();
+            for (const int width : {3, 6})
+              if (head.rows == width * n_nodes && head.columns == head.rows) {
+                rows = width;
+                return;
+              }
+            throw std::invalid_argument(fmt::format(
+                "{}: matrix {} has {} rows and {} columns; {} or {} are wanted, three or six for each of the "
+                "{} "
+                "nodes by ascending number (Nastran's g-set without scalar points: KGG, MGG)",
+                path_.string(), head.name, head.rows, head.columns, 3 * n_nodes, 6 * n_nodes, n_nodes));
+          },
+          [&](std::int64_t row, std::int64_t column, double value) {
+            if (value == 0.0) return;
+            const auto spread = [&](std::int64_t k) { return k / rows * 6 + k % rows; };
+            add(0, spread(row), spread(column), value);
+          });
+    } else if (is_nastran_text(path_)) {
       read_dmig(path_, letter, [&](const DmigEntry& e) {
         for (int side = 0; side < 2; ++side)
           if (e.component[side] == 0)
-            refuse(e.line,
-                   fmt::format(
-                       "point {} is a scalar point (component 0); matrices of grid points alone are taken, "
-                       "not those that are reduced to modes",
-                       e.point[side]));
+            refuse(e.line, fmt::format("point {} is a scalar point (component 0), but K has none: a body "
+                                       "that is reduced to modes has "
+                                       "them in both",
+                                       e.point[side]));
         add(e.line, row_of(e.line, e.point[0], e.component[0]), row_of(e.line, e.point[1], e.component[1]),
             e.value);
       });
@@ -69,6 +90,7 @@ class BlockReader {
   };
 
   [[noreturn]] void refuse(int line, const std::string& what) const {
+    if (line == 0) throw std::invalid_argument(fmt::format("{}: {}", path_.string(), what));
     throw std::invalid_argument(fmt::format("{}, line {}: {}", path_.string(), line, what));
   }
 
@@ -302,7 +324,29 @@ GivenMatrices read_matrices(const std::filesystem::path& stiffness, const std::f
   return out;
 }
 
-Eigen::MatrixXd read_dense(const std::filesystem::path& path) {
+namespace {
+
+Eigen::MatrixXd dense_of_op4(const std::filesystem::path& path, char letter) {
+  Eigen::MatrixXd A;
+  read_op4(
+      path, letter,
+      [&](const Op4Head& head) {
+        // Columns without an entry are left out of the file, but not most of them.
+        const double most = std::max(1e6, 1e3 * static_cast<double>(std::filesystem::file_size(path)));
+        if (static_cast<double>(head.rows) * static_cast<double>(head.columns) > most)
+          throw std::invalid_argument(
+              fmt::format("{}: {} x {} are more numbers than a file of this size can hold", path.string(),
+                          head.rows, head.columns));
+        A.setZero(head.rows, head.columns);
+      },
+      [&](std::int64_t row, std::int64_t column, double value) { A(row, column) = value; });
+  return A;
+}
+
+}  // namespace
+
+Eigen::MatrixXd read_dense(const std::filesystem::path& path, char letter) {
+  if (is_op4(path)) return dense_of_op4(path, letter);
   const std::string head = matrix_market_head(path);
   const bool market = !head.empty(), coordinate = head.find("coordinate") != std::string::npos,
              symmetric = head.find("symmetric") != std::string::npos;

@@ -29,7 +29,7 @@ struct GivenMatrices {
 
 /// Stiffness, mass and (where a file is given) damping matrix that another program assembled: Matrix Market ("coordinate real symmetric" or
 /// "general"), Abaqus' coordinate format (row, column, value) or its matrix input (node, direction, node,
-/// direction, value), DMIG of Nastran (nastran_matrices.hpp); gzipped or not.  Rows count the nodes of the mesh in ascending
+/// direction, value), DMIG of Nastran (nastran_matrices.hpp); gzipped or not; or its OUTPUT4 (op4.hpp).  Rows count the nodes of the mesh in ascending
 /// number, three directions each or six (u, theta), as K and M tell by their size.  One triangle or both may be given.  Throws
 /// std::invalid_argument, naming file and line, for entries beyond the nodes, for two triangles that differ, for rotary inertia
 /// where K has no rotation, and for a mass matrix that does not say how the mass is placed (inertia integrals want that):
@@ -48,8 +48,8 @@ void scale(GivenMatrices& matrices, double unit_mass, double unit_length);
 void take_in(GivenMatrices&& given, Part& part);
 
 /// A dense matrix: Matrix Market ("array", general or symmetric, or "coordinate"), or plain text, one row a
-/// line; gzipped or not.
-Eigen::MatrixXd read_dense(const std::filesystem::path& path);
+/// line; gzipped or not; or OUTPUT4 of Nastran, of several matrices that whose name begins with `letter`.
+Eigen::MatrixXd read_dense(const std::filesystem::path& path, char letter = '\0');
 
 /// Nodes alone, one a line: number, x, y, z, separated by commas or blanks; # begins a comment.
 mesh::Mesh read_nodes(const std::filesystem::path& path);
