@@ -51,6 +51,15 @@ const std::vector<IntegratorKind>& integrator_kinds() {
               "(kineto-elastostatics), which accelerations and drive forces leave out",
        .method = Method::kinematics,
        .integrates = false},
+      {.name = "ked",
+       .doc = "kineto-elastodynamics where drives prescribe the whole motion: bodies vibrate about that of "
+              "the undeformed "
+              "mechanism, assembled at each position and linear in their deformation, which moves what hangs "
+              "on them and does "
+              "not act back on the drives' motion",
+       .method = Method::ked,
+       .integrates = false,
+       .takes_fixed_steps = true},
       {.name = "quasi_statics",
        .doc = "an equilibrium at each output time",
        .method = Method::quasi_statics,

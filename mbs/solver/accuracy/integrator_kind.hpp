@@ -10,7 +10,7 @@
 namespace flexura::mbs {
 
 /// Their names in C++; `automatic` leaves the choice to the program.
-enum class Method { automatic, ida, radau, generalised_alpha, runge_kutta, kinematics, quasi_statics };
+enum class Method { automatic, ida, radau, generalised_alpha, runge_kutta, kinematics, quasi_statics, ked };
 
 struct IntegratorKind {
   const char* name;  ///< as the user says it: solver.method

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "mbs/solver/integrators/elastodynamics.hpp"
 #include "mbs/solver/integrators/generalised_alpha.hpp"
 #include "mbs/solver/integrators/ida/ida.hpp"
 #include "mbs/solver/integrators/radau/radau.hpp"
@@ -24,6 +25,7 @@ constexpr Maker kMakers[] = {
     {"generalised_alpha", make_generalised_alpha},
     {"runge_kutta", make_runge_kutta},
     {"kinematics", make_kinematics},
+    {"ked", make_elastodynamics},
     {"quasi_statics", make_quasi_statics},
 };
 

@@ -106,13 +106,19 @@ void add_switches(const mbs::PreparedMechanism& prepared, bool is_judged, std::v
           {"switch", prepared.mechanism->name_of_root(i), {}, 0.0, "the estimate is linear about the run"});
 }
 
-// Kinematics gives bodies the shape that balances their loads, whatever they would ring by.
+// Kinematics gives bodies the shape that balances their loads, whatever they would ring by; ked has them ring linearly.
 void add_vibration(const mbs::PreparedMechanism& prepared, std::vector<ErrorSource>& sources) {
-  if (prepared.options.method != "kinematics") return;
+  const bool is_linear = prepared.options.method == "ked";
+  if (prepared.options.method != "kinematics" && !is_linear) return;
   for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies)
     if (body.flexible)
       sources.push_back(
-          {"vibration", body.name, {}, 0.0, "kinematics follows none; compare with method = \"radau\""});
+          {"vibration",
+           body.name,
+           {},
+           0.0,
+           is_linear ? "ked is linear about the motion without deformation; compare with method = \"radau\""
+                     : "kinematics follows none; compare with method = \"radau\""});
 }
 
 // Of kinematics: positions that no row holds follow from their speeds.
