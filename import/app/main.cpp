@@ -9,11 +9,14 @@
 #include <iostream>
 
 #include "import/app/ask.hpp"
+#include "import/app/tree_robot.hpp"
 #include "import/cad/joints/build.hpp"
+#include "import/model/findings.hpp"
 #include "import/model/folder.hpp"
 #include "import/page/page.hpp"
 #include "import/urdf/convert.hpp"
 #include "import/urdf/link_parts.hpp"
+#include "mbs/base/documents/shown_text.hpp"
 #include "mbs/base/documents/units.hpp"
 #include "mbs/base/terminal/command_line.hpp"
 #include "mbs/base/terminal/terminal.hpp"
@@ -35,6 +38,7 @@ void report(const import::Mechanism& mechanism, const std::filesystem::path& fol
   std::size_t joints = 0;
   for (const import::Element& e : mechanism.elements) joints += e.table == "joint" ? 1 : 0;
   for (const std::string& note : mechanism.notes) terminal::say(stderr, "note: " + note);
+  if (!mechanism.note_count.empty()) terminal::say(stderr, mechanism.note_count);
   fmt::print("{} bodies, {} joints, {} other elements\n", mechanism.bodies.size(), joints,
              mechanism.elements.size() - joints);
   fmt::print("mechanism {}\n", (folder / "mechanism.toml").string());
@@ -118,6 +122,19 @@ int import_robot(const Arguments& a, const std::filesystem::path& folder,
   return 0;
 }
 
+int import_tree(const Arguments& a, import::TreeFormat format, const std::filesystem::path& folder,
+                const terminal::Verbosity& verbosity) {
+  const import::ReadTree robot =
+      import::read_tree(a.input, format,
+                        {.floating_base = a.base.empty() ? std::nullopt : std::optional(a.base == "floating"),
+                         .stops = !a.no_stops,
+                         .packages = a.packages},
+                        false);
+  import::write_folder(folder, robot.mechanism, robot.texts, a.force);
+  report(robot.mechanism, folder, verbosity);
+  return 0;
+}
+
 // What overlaps goes into the notes as well; where it cannot be sought, that does.
 std::vector<import::cad::Overlap> overlaps_of(const std::string& file, const import::cad::Assembly& assembly,
                                               double clearance, double limit, import::Mechanism& mechanism) {
@@ -178,19 +195,24 @@ int import_file(const Arguments& a, const terminal::Verbosity& verbosity) {
   if (ending == ".xacro")
     throw std::invalid_argument(
         a.input + ": is a xacro template; make the URDF of it first: xacro robot.xacro > robot.urdf");
-  const bool is_robot = ending == ".urdf";
+  const auto tree = import::tree_format(a.input);
+  const bool is_robot = ending == ".urdf" || tree;
   if (!is_robot && ending != ".step" && ending != ".stp")
-    throw std::invalid_argument(
-        a.input + ": is not of a kind that is imported; name a robot (.urdf) or an assembly (.step, .stp)");
+    throw std::invalid_argument(a.input +
+                                ": is not of a kind that is imported; name a robot (.urdf, .xml, .mjcf, "
+                                ".sdf, .world) or an assembly (.step, .stp)");
   refuse_options_of_the_other_kind(a, is_robot);
   const std::filesystem::path folder =
       a.output.empty() ? std::filesystem::path(a.input).stem() : std::filesystem::path(a.output);
+  if (tree) return import_tree(a, *tree, folder, verbosity);
   return is_robot ? import_robot(a, folder, verbosity) : import_assembly(a, folder, verbosity);
 }
 
 std::function<int()> declare(terminal::Options& options, const terminal::Verbosity& verbosity) {
   const auto a = std::make_shared<Arguments>();
-  options.argument("FILE", a->input, "robot (.urdf) or assembly (.step, .stp)")
+  options
+      .argument("FILE", a->input,
+                "robot (.urdf; .xml or .mjcf of MuJoCo; .sdf or .world of Gazebo) or assembly (.step, .stp)")
       .option("-o,--output", a->output, "FOLDER",
               "folder to write, made where it is not there (default: the file's name)")
       .flag("--force", a->force, "replace files of the folder that are there already")
@@ -212,7 +234,16 @@ std::function<int()> declare(terminal::Options& options, const terminal::Verbosi
       .example("flexura import robot.urdf -o robot", "then: flexura simulate robot/mechanism.toml")
       .example("flexura import engine.step -o engine",
                "bodies, joints from their geometry, part files for flexura reduce");
-  return [a, &verbosity] { return import_file(*a, verbosity); };
+  return [a, &verbosity] {
+    try {
+      return import_file(*a, verbosity);
+    } catch (const import::Faults& faults) {
+      if (faults.all().empty()) throw;
+      terminal::say(stderr, fmt::format("error: {}", faults.what()));
+      for (const std::string& fault : faults.all()) terminal::say(stderr, "  " + input::shown_message(fault));
+      return 2;
+    }
+  };
 }
 
 }  // namespace
