@@ -22,7 +22,8 @@ double number_in(const Node* parent, const char* tag, double otherwise, Findings
   const Node* const child = parent == nullptr ? nullptr : parent->child(tag);
   if (child == nullptr || child->text.empty()) return otherwise;
   if (const auto value = xml::parse_number(child->text)) return *value;
-  if (child->text.find("inf") != std::string::npos) return otherwise;  // no limit
+  // The largest of double, and "inf", stand for no limit.
+  if (xml::is_unbounded(child->text)) return otherwise;
   xml::fault(findings, *child,
              fmt::format("<{}> is \"{}\", a finite number is wanted; correct it", tag, shown(child->text)));
   return otherwise;

@@ -62,7 +62,7 @@ class Reader {
   const Node& open(const fs::path& file) {
     if (world_.documents.size() > 10'000)
       throw std::invalid_argument(file.string() + ": more than 10000 files are included");
-    world_.documents.push_back(std::make_unique<Node>(xml::read(file, "SDF")));
+    world_.documents.push_back(std::make_unique<Node>(xml::read(file, "SDF", findings_)));
     return *world_.documents.back();
   }
 

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "import/tree/draw.hpp"
 #include "mbs/base/math/rotation.hpp"
 
@@ -139,11 +141,20 @@ void Writer::add_stop(std::size_t j) {
       joint.closes_loop ? 0.0 : mass_.compliance({{mass_.first(static_cast<int>(j)), 1.0}});
   const double inertia = compliance > 0.0 ? 1.0 / compliance : 1.0;
   std::vector<Line> lines = {text_line("type", "bump_stop"), text_line("joint", name)};
-  if (joint.lower) lines.emplace_back("lower", toml(*joint.lower));
-  if (joint.upper) lines.emplace_back("upper", toml(*joint.upper));
+  std::vector<std::string> comments;
+  // A joint that starts at its stop and is pressed by nothing, as in free fall, would touch and leave it by
+  // round-off without end.
+  const auto clear = [&](double limit, double outwards) {
+    constexpr double least = 1e-6;
+    if (std::abs(limit - joint.start) >= least) return limit;
+    comments.emplace_back("a millionth wider than in the file, where the joint starts");
+    return joint.start + outwards * least;
+  };
+  if (joint.lower) lines.emplace_back("lower", toml(clear(*joint.lower, -1.0)));
+  if (joint.upper) lines.emplace_back("upper", toml(clear(*joint.upper, 1.0)));
   lines.emplace_back("stiffness", toml(inertia * joint.stop_frequency * joint.stop_frequency));
   lines.emplace_back("damping", toml(2.0 * joint.stop_damping_ratio * inertia * joint.stop_frequency));
-  add("force", name + "_stop", {}, lines);
+  add("force", name + "_stop", comments, lines);
 }
 
 void Writer::add_forces_in_all_directions(std::size_t j) {

@@ -104,7 +104,53 @@ void note(Findings& findings, const Node& at, const std::string& kind, const std
     findings.note(kind, in_another_file(at, text));
 }
 
-Node read(const std::filesystem::path& file, const std::string& kind) {
+namespace {
+
+// What TinyXML 1 took and XML has not: <visual name=blade>, and <?xml ...?> behind a comment.
+std::string mended(const std::string& text, bool& any) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto copy_to = [&](const char* end) {
+      const std::size_t found = text.find(end, at);
+      const std::size_t next =
+          found == std::string::npos ? text.size() : found + std::string_view(end).size();
+      out.append(text, at, next - at);
+      at = next;
+    };
+    if (text.compare(at, 4, "<!--") == 0) {
+      copy_to("-->");
+    } else if (text.compare(at, 9, "<![CDATA[") == 0) {
+      copy_to("]]>");
+    } else if (text.compare(at, 5, "<?xml") == 0 && out.find('<') != std::string::npos) {
+      at = std::min(text.find("?>", at), text.size() - 2) + 2;
+      any = true;
+    } else if (text[at] == '<') {
+      for (char quote = 0; at < text.size(); ++at) {
+        const char c = text[at];
+        out += c;
+        if (quote != 0) {
+          if (c == quote) quote = 0;
+        } else if (c == '"' || c == '\'') {
+          quote = c;
+        } else if (c == '>') {
+          ++at;
+          break;
+        } else if (c == '=' && at + 1 < text.size() &&
+                   std::string_view("\"' \t\r\n>").find(text[at + 1]) == std::string_view::npos) {
+          const std::size_t end = std::min(text.find_first_of(" \t\r\n/>\"'", at + 1), text.size());
+          out += '"' + text.substr(at + 1, end - at - 1) + '"';
+          at = end - 1;
+          any = true;
+        }
+      }
+    } else {
+      out += text[at++];
+    }
+  }
+  return out;
+}
+
+Node read(const std::filesystem::path& file, const std::string& kind, Findings* findings) {
   const auto refuse = [&](const std::string& where, const std::string& why) {
     throw std::invalid_argument(fmt::format("{}: is no {}: {}", where, kind, why));
   };
@@ -119,6 +165,17 @@ Node read(const std::filesystem::path& file, const std::string& kind) {
   if (text.find('\0') != std::string::npos) refuse(file.string(), "it holds zero bytes, XML text is wanted");
   if (has_crowded_element(text)) refuse(file.string(), "an element has more than 1000 attributes");
   tinyxml2::XMLDocument document;
+  bool mends = false;
+  if (findings != nullptr && document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
+    const int line = document.ErrorLineNum();
+    const std::string again = mended(text, mends);
+    if (mends) {
+      text = again;
+      findings->repair("texts that are not XML",
+                       "values of attributes without quotes get them, <?xml ...?> behind a comment goes",
+                       line);
+    }
+  }
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
     refuse(fmt::format("{}:{}", file.string(), std::max(1, document.ErrorLineNum())),
            document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED
@@ -126,6 +183,16 @@ Node read(const std::filesystem::path& file, const std::string& kind) {
                : "it is not well-formed XML (an element that is not closed, a stray character)");
   if (document.RootElement() == nullptr) refuse(file.string() + ":1", "it has no element");
   return copied(*document.RootElement(), std::make_shared<const std::filesystem::path>(file));
+}
+
+}  // namespace
+
+Node read(const std::filesystem::path& file, const std::string& kind) {
+  return read(file, kind, nullptr);
+}
+
+Node read(const std::filesystem::path& file, const std::string& kind, Findings& findings) {
+  return read(file, kind, &findings);
 }
 
 }  // namespace flexura::import::xml

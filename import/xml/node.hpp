@@ -32,6 +32,9 @@ struct Node {
 /// is expanded.  Throws std::invalid_argument "FILE:LINE: is no KIND: why": not there, not XML, nested too deep, too large.
 Node read(const std::filesystem::path& file, const std::string& kind);
 
+/// The same, with what older readers took mended and said: values of attributes without quotes, a declaration behind a comment.
+Node read(const std::filesystem::path& file, const std::string& kind, Findings& findings);
+
 /// The findings with the place of the element: a line of the file itself, or file and line of one that it includes.
 void fault(Findings& findings, const Node& at, const std::string& text);
 void repair(Findings& findings, const Node& at, const std::string& kind, const std::string& text);

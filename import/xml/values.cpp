@@ -48,6 +48,14 @@ std::optional<double> parse_number(std::string_view text) {
   return value;
 }
 
+bool is_unbounded(std::string_view text) {
+  text = trimmed(text);
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return end == text.data() + text.size() && !text.empty() && !std::isnan(value) && !parse_number(text);
+}
+
 std::optional<std::vector<double>> parse_numbers(std::string_view text) {
   std::vector<double> values;
   for (const std::string& word : words(text)) {

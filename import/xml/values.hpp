@@ -19,6 +19,9 @@ std::vector<std::string> words(std::string_view text);
 /// Of C's syntax in the "C" locale, at most 1e40 in size; nothing where the text is anything else.
 std::optional<double> parse_number(std::string_view text);
 
+/// "inf", or a number too large for a quantity: what programs write for none.
+bool is_unbounded(std::string_view text);
+
 /// All numbers of a text between spaces; nothing where a word is none.
 std::optional<std::vector<double>> parse_numbers(std::string_view text);
 
