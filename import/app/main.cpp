@@ -9,11 +9,12 @@
 #include <iostream>
 
 #include "import/app/ask.hpp"
+#include "import/app/robot.hpp"
 #include "import/cad/joints/build.hpp"
+#include "import/model/findings.hpp"
 #include "import/model/folder.hpp"
 #include "import/page/page.hpp"
-#include "import/urdf/convert.hpp"
-#include "import/urdf/link_parts.hpp"
+#include "mbs/base/documents/shown_text.hpp"
 #include "mbs/base/documents/units.hpp"
 #include "mbs/base/terminal/command_line.hpp"
 #include "mbs/base/terminal/terminal.hpp"
@@ -24,10 +25,23 @@ namespace fs = std::filesystem;
 using namespace flexura;
 
 struct Arguments {
-  std::string input, output, base, joints, ground, density, clearance, time_limit;
+  std::string input, output, base, joints, ground, density, clearance, time_limit, massless, controllers;
   std::vector<std::string> packages;
-  bool force = false, no_stops = false;
+  bool force = false, no_stops = false, strict = false;
 };
+
+// Names that are others here than in the file.
+void print_names(const import::Mechanism& mechanism, const fs::path& folder) {
+  constexpr std::size_t most = 20;
+  if (mechanism.renamed.empty()) return;
+  terminal::Table table({{"of the file", terminal::Align::left}, {"name here", terminal::Align::left}});
+  for (std::size_t i = 0; i < std::min(most, mechanism.renamed.size()); ++i)
+    table.add_row({mechanism.renamed[i].first, mechanism.renamed[i].second});
+  fmt::print("{}", table.text());
+  if (mechanism.renamed.size() > most)
+    fmt::print("... and {} more, at the head of {}\n", mechanism.renamed.size() - most,
+               (folder / "mechanism.toml").string());
+}
 
 void report(const import::Mechanism& mechanism, const std::filesystem::path& folder,
             const terminal::Verbosity& verbosity) {
@@ -35,6 +49,8 @@ void report(const import::Mechanism& mechanism, const std::filesystem::path& fol
   std::size_t joints = 0;
   for (const import::Element& e : mechanism.elements) joints += e.table == "joint" ? 1 : 0;
   for (const std::string& note : mechanism.notes) terminal::say(stderr, "note: " + note);
+  print_names(mechanism, folder);
+  if (!mechanism.note_count.empty()) terminal::say(stderr, mechanism.note_count);
   fmt::print("{} bodies, {} joints, {} other elements\n", mechanism.bodies.size(), joints,
              mechanism.elements.size() - joints);
   fmt::print("mechanism {}\n", (folder / "mechanism.toml").string());
@@ -50,12 +66,14 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_robot) {
   if (is_robot) {
     refuse(!a.joints.empty(), "--joints", "assemblies");
     refuse(!a.ground.empty(), "--ground", "assemblies");
-    refuse(!a.density.empty(), "--density", "assemblies");
     refuse(!a.clearance.empty(), "--clearance", "assemblies");
     refuse(!a.time_limit.empty(), "--time-limit", "assemblies");
   } else {
     refuse(!a.base.empty(), "--base", "robots");
     refuse(a.no_stops, "--no-stops", "robots");
+    refuse(a.strict, "--strict", "robots");
+    refuse(!a.massless.empty(), "--massless", "robots");
+    refuse(!a.controllers.empty(), "--controllers", "robots");
     refuse(!a.packages.empty(), "--package", "robots");
   }
 }
@@ -94,27 +112,22 @@ void print_proposal(const import::cad::Built& built, const terminal::Verbosity& 
                  : "unknown, not counted for more than 400 bodies that move (flexura check)");
 }
 
-// All parts of an assembly where they stand.
-auto surface_of_step(const fs::path& file) {
-  constexpr double limit_s = 60.0;
-  const import::cad::Assembly assembly = import::cad::read_assembly(file, limit_s);
-  auto surface = import::Surface();
-  for (const import::cad::Instance& i : assembly.instances)
-    surface.append(assembly.parts[static_cast<std::size_t>(i.part)].surface, i.X_WP);
-  import::urdf::weld(surface);
-  return surface;
-}
-
 int import_robot(const Arguments& a, const std::filesystem::path& folder,
                  const terminal::Verbosity& verbosity) {
-  import::Mechanism mechanism =
-      import::urdf::to_mechanism(import::urdf::read_robot(a.input), {.floating_base = a.base == "floating",
-                                                                     .stops = !a.no_stops,
-                                                                     .packages = a.packages,
-                                                                     .read_cad = surface_of_step});
-  const std::vector<import::TextFile> parts = import::urdf::link_parts(mechanism);
-  import::write_folder(folder, mechanism, parts, a.force);
-  report(mechanism, folder, verbosity);
+  using import::urdf::Massless;
+  const import::ReadRobot robot =
+      import::read_robot(a.input,
+                         {.floating_base = a.base == "floating",
+                          .stops = !a.no_stops,
+                          .controllers = a.controllers == "pd",
+                          .massless = a.massless == "refuse"       ? Massless::refuse
+                                      : a.massless == "kinematics" ? Massless::kinematics
+                                                                   : Massless::derive,
+                          .density = quantity(a.density, "--density", input::dim::density, 1000.0),
+                          .packages = a.packages},
+                         a.strict);
+  import::write_folder(folder, robot.mechanism, robot.texts, a.force);
+  report(robot.mechanism, folder, verbosity);
   return 0;
 }
 
@@ -205,14 +218,32 @@ std::function<int()> declare(terminal::Options& options, const terminal::Verbosi
               "assemblies: the body that stands still (default: the one with the largest box)")
       .option("--clearance", a->clearance, "LENGTH",
               "assemblies: greatest gap between faces that touch (default: 0.2 mm)")
-      .option("--density", a->density, "DENSITY",
-              "assemblies: of parts that have none in the file (default: 7850 kg/m^3)")
+      .option(
+          "--density", a->density, "DENSITY",
+          "assemblies: of parts that have none in the file (default: 7850 kg/m^3); robots: of shapes that "
+          "give a link its inertia (default: 1000 kg/m^3)")
+      .choice(
+          "--massless", a->massless, {"derive", "kinematics", "refuse"},
+          "robots: links that move without inertia get that of their shapes, have their joints driven, or "
+          "are refused (default: derive; kinematics where there are no shapes)")
+      .choice("--controllers", a->controllers, {"none", "pd"},
+              "robots: motors are inputs, or follow a target by a PD law (default: none)")
+      .flag("--strict", a->strict, "robots: refuse what would be repaired")
       .option("--time-limit", a->time_limit, "TIME",
               "assemblies: give the reading up after this time (default: 600 s)")
       .example("flexura import robot.urdf -o robot", "then: flexura simulate robot/mechanism.toml")
       .example("flexura import engine.step -o engine",
                "bodies, joints from their geometry, part files for flexura reduce");
-  return [a, &verbosity] { return import_file(*a, verbosity); };
+  return [a, &verbosity] {
+    try {
+      return import_file(*a, verbosity);
+    } catch (const import::Faults& faults) {
+      if (faults.all().empty()) throw;
+      terminal::say(stderr, fmt::format("error: {}", faults.what()));
+      for (const std::string& fault : faults.all()) terminal::say(stderr, "  " + input::shown_message(fault));
+      return 2;
+    }
+  };
 }
 
 }  // namespace

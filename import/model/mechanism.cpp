@@ -150,6 +150,7 @@ std::string mechanism_text(const Mechanism& mechanism) {
   }
   for (const Element& e : mechanism.elements)
     write_table(out, fmt::format("[{}.{}]", e.table, e.name), e.comments, e.lines);
+  if (!mechanism.solver.empty()) write_table(out, "[solver]", {}, mechanism.solver);
   return out;
 }
 

@@ -78,7 +78,10 @@ struct Mechanism {
   std::vector<Body> bodies = {};
   std::vector<Marker> ground = {};
   std::vector<Element> elements = {};
+  std::vector<Line> solver = {};        ///< of the table [solver]
   std::vector<std::string> notes = {};  ///< sentences for the user: what was not taken over, what is doubtful
+  std::vector<std::pair<std::string, std::string>> renamed = {};  ///< what the file calls it, its name here
+  std::string note_count = {};  ///< how many there are of each kind, for the end of what is printed
 };
 
 /// Names for bodies, joints and the like out of names that may hold anything: ASCII letters, digits and "_"

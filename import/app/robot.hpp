@@ -1,0 +1,21 @@
+// Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "import/model/folder.hpp"
+#include "import/urdf/convert.hpp"
+
+namespace flexura::import {
+
+struct ReadRobot {
+  Mechanism mechanism;
+  std::vector<TextFile> texts;  ///< part files of links that can be made flexible
+};
+
+/// Reads a URDF as `choices` say, and tries the mechanism.  Throws std::invalid_argument (Faults among them) and std::runtime_error.
+ReadRobot read_robot(const std::filesystem::path& file, urdf::Choices choices, bool strict);
+
+}  // namespace flexura::import
