@@ -25,7 +25,8 @@ namespace fs = std::filesystem;
 using namespace flexura;
 
 struct Arguments {
-  std::string input, output, base, joints, ground, density, clearance, time_limit, massless, controllers;
+  std::string input, output, base, joints, ground, density, clearance, time_limit, massless, controllers,
+      xacro;
   std::vector<std::string> packages;
   bool force = false, no_stops = false, strict = false;
 };
@@ -36,7 +37,7 @@ void print_names(const import::Mechanism& mechanism, const fs::path& folder) {
   if (mechanism.renamed.empty()) return;
   terminal::Table table({{"of the file", terminal::Align::left}, {"name here", terminal::Align::left}});
   for (std::size_t i = 0; i < std::min(most, mechanism.renamed.size()); ++i)
-    table.add_row({mechanism.renamed[i].first, mechanism.renamed[i].second});
+    table.add_row({input::shown_text(mechanism.renamed[i].first), mechanism.renamed[i].second});
   fmt::print("{}", table.text());
   if (mechanism.renamed.size() > most)
     fmt::print("... and {} more, at the head of {}\n", mechanism.renamed.size() - most,
@@ -74,6 +75,7 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_robot) {
     refuse(a.strict, "--strict", "robots");
     refuse(!a.massless.empty(), "--massless", "robots");
     refuse(!a.controllers.empty(), "--controllers", "robots");
+    refuse(!a.xacro.empty(), "--xacro", "robots");
     refuse(!a.packages.empty(), "--package", "robots");
   }
 }
@@ -125,7 +127,7 @@ int import_robot(const Arguments& a, const std::filesystem::path& folder,
                                                                    : Massless::derive,
                           .density = quantity(a.density, "--density", input::dim::density, 1000.0),
                           .packages = a.packages},
-                         a.strict);
+                         a.strict, a.xacro == "run");
   import::write_folder(folder, robot.mechanism, robot.texts, a.force);
   report(robot.mechanism, folder, verbosity);
   return 0;
@@ -188,22 +190,23 @@ int import_assembly(const Arguments& a, const std::filesystem::path& folder,
 
 int import_file(const Arguments& a, const terminal::Verbosity& verbosity) {
   const std::string ending = import::ending_of(a.input);
-  if (ending == ".xacro")
-    throw std::invalid_argument(
-        a.input + ": is a xacro template; make the URDF of it first: xacro robot.xacro > robot.urdf");
-  const bool is_robot = ending == ".urdf";
+  const bool is_robot = ending == ".urdf" || ending == ".xacro";
   if (!is_robot && ending != ".step" && ending != ".stp")
     throw std::invalid_argument(
-        a.input + ": is not of a kind that is imported; name a robot (.urdf) or an assembly (.step, .stp)");
+        a.input +
+        ": is not of a kind that is imported; name a robot (.urdf, .xacro) or an assembly (.step, .stp)");
   refuse_options_of_the_other_kind(a, is_robot);
-  const std::filesystem::path folder =
-      a.output.empty() ? std::filesystem::path(a.input).stem() : std::filesystem::path(a.output);
+  fs::path folder = a.output;
+  if (a.output.empty()) {  // robot.urdf.xacro: "robot"
+    folder = fs::path(a.input).stem();
+    if (import::ending_of(folder) == ".urdf") folder = folder.stem();
+  }
   return is_robot ? import_robot(a, folder, verbosity) : import_assembly(a, folder, verbosity);
 }
 
 std::function<int()> declare(terminal::Options& options, const terminal::Verbosity& verbosity) {
   const auto a = std::make_shared<Arguments>();
-  options.argument("FILE", a->input, "robot (.urdf) or assembly (.step, .stp)")
+  options.argument("FILE", a->input, "robot (.urdf, .xacro) or assembly (.step, .stp)")
       .option("-o,--output", a->output, "FOLDER",
               "folder to write, made where it is not there (default: the file's name)")
       .flag("--force", a->force, "replace files of the folder that are there already")
@@ -228,6 +231,9 @@ std::function<int()> declare(terminal::Options& options, const terminal::Verbosi
           "are refused (default: derive; kinematics where there are no shapes)")
       .choice("--controllers", a->controllers, {"none", "pd"},
               "robots: motors are inputs, or follow a target by a PD law (default: none)")
+      .choice("--xacro", a->xacro, {"plain", "run"},
+              "robots: templates are expanded by the program xacro where their formulas are arithmetic, or "
+              "whatever Python is in them (default: plain)")
       .flag("--strict", a->strict, "robots: refuse what would be repaired")
       .option("--time-limit", a->time_limit, "TIME",
               "assemblies: give the reading up after this time (default: 600 s)")

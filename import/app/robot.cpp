@@ -2,8 +2,10 @@
 #include "import/app/robot.hpp"
 
 #include "import/app/try_run.hpp"
+#include "import/app/xacro.hpp"
 #include "import/cad/assembly.hpp"
 #include "import/urdf/link_parts.hpp"
+#include "import/urdf/templates.hpp"
 
 namespace flexura::import {
 namespace {
@@ -21,10 +23,14 @@ Surface surface_of_step(const std::filesystem::path& file) {
 
 }  // namespace
 
-ReadRobot read_robot(const std::filesystem::path& file, urdf::Choices choices, bool strict) {
+ReadRobot read_robot(const std::filesystem::path& file, urdf::Choices choices, bool strict, bool trusted) {
   choices.read_cad = surface_of_step;
   Findings findings(file, strict);
-  const std::string text = urdf::read_text(file);
+  std::string text = urdf::read_text(file);
+  if (urdf::look_through(text, file).first) {
+    text = expand_xacro(file, choices.packages, trusted);
+    findings.note("templates", "expanded by xacro: lines are those of its output");
+  }
   ReadRobot out;
   out.mechanism = urdf::to_mechanism(urdf::read_robot(text, findings), choices, findings);
   out.texts = urdf::link_parts(out.mechanism, findings);

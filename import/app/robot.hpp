@@ -15,7 +15,8 @@ struct ReadRobot {
   std::vector<TextFile> texts;  ///< part files of links that can be made flexible
 };
 
-/// Reads a URDF as `choices` say, and tries the mechanism.  Throws std::invalid_argument (Faults among them) and std::runtime_error.
-ReadRobot read_robot(const std::filesystem::path& file, urdf::Choices choices, bool strict);
+/// Reads a URDF, or a template that xacro expands (`trusted`: whatever is in it), as `choices` say, and tries the mechanism.  Throws
+/// std::invalid_argument (Faults among them) and std::runtime_error.
+ReadRobot read_robot(const std::filesystem::path& file, urdf::Choices choices, bool strict, bool trusted);
 
 }  // namespace flexura::import

@@ -27,6 +27,7 @@ class Converter {
       : robot_(std::move(robot)), choices_(choices), findings_(findings), drawer_(robot_.file, choices) {}
 
   Mechanism convert() {
+    add_ground();
     q_ = start_coordinates(robot_);
     lock_joints();
     treat_massless(robot_, q_, choices_, drawer_, findings_);
@@ -36,14 +37,16 @@ class Converter {
     result_.comments = {
         "imported by flexura import from " + shown(robot_.file.filename().string()),
         "Bodies have the frames of the links; the coordinates of the joints are those of the URDF."};
-    for (const Link& link : robot_.links) add_body(link);
-    add_base();
+    for (std::size_t l = 0; l + 1 < robot_.links.size(); ++l) add_body(robot_.links[l]);
     // Names of bodies and joints are kept apart: both stand in the names of results.
-    for (const Joint& joint : robot_.joints) joint_names_.push_back(name_for("joint", joint.name));
+    const std::string base = names_.add(robot_.joints.back().name);
+    for (std::size_t j = 0; j + 1 < robot_.joints.size(); ++j)
+      joint_names_.push_back(name_for("joint", robot_.joints[j].name));
+    joint_names_.push_back(base);
     for (const int j : robot_.order) add_joint(static_cast<std::size_t>(j));
     for (const int j : robot_.order) add_forces(static_cast<std::size_t>(j));
     add_actuators();
-    if (!result_.elements.empty()) choose_method();
+    choose_method();
     return std::move(result_);
   }
 
@@ -54,7 +57,7 @@ class Converter {
     for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     const bool is_like_another = !small_names_.insert(what + small).second;
     if (name != wanted || is_like_another)
-      result_.renamed.push_back({fmt::format("{} \"{}\"", what, shown(wanted)), name});
+      result_.renamed.emplace_back(fmt::format("{} \"{}\"", what, wanted), name);
     return name;
   }
 
@@ -106,20 +109,25 @@ class Converter {
     result_.bodies.push_back(std::move(body));
   }
 
-  std::string body_name(int link) const { return result_.bodies[static_cast<std::size_t>(link)].name; }
+  bool is_ground(int link) const { return link == robot_.root; }
+  std::string body_name(int link) const {
+    return is_ground(link) ? "ground" : result_.bodies[static_cast<std::size_t>(link)].name;
+  }
+  std::vector<Marker>& markers_of(int link) {
+    return is_ground(link) ? result_.ground : result_.bodies[static_cast<std::size_t>(link)].markers;
+  }
 
-  void add_base() {
-    const std::string root = body_name(robot_.root);
-    result_.ground.push_back({"base", {}});
-    result_.bodies[static_cast<std::size_t>(robot_.root)].markers.push_back({"base", {}});
-    result_.elements.push_back(
-        {"joint",
-         names_.add("base"),
-         {choices_.floating_base ? "the root floats free"
-                                 : "the root stands on the ground (--base floating frees it)"},
-         {{"type", toml(std::string(choices_.floating_base ? "free" : "fixed"))},
-          {"from", toml(std::string("ground.base"))},
-          {"to", toml(root + ".base")}}});
+  // The ground becomes the root, without a body, and what holds the robot's root to it the last joint.
+  void add_ground() {
+    const int ground = static_cast<int>(robot_.links.size()), base = static_cast<int>(robot_.joints.size());
+    robot_.links[static_cast<std::size_t>(robot_.root)].parent_joint = base;
+    robot_.joints.push_back({.name = "base",
+                             .kind = choices_.floating_base ? JointKind::floating : JointKind::fixed,
+                             .parent = ground,
+                             .child = robot_.root});
+    robot_.links.push_back({.name = "ground"});
+    robot_.order.insert(robot_.order.begin(), base);
+    robot_.root = ground;
   }
 
   void add_joint(std::size_t j) {
@@ -129,10 +137,15 @@ class Converter {
     // The coordinate's axis is the markers' z axis.
     const bool along_axis = joint.kind != JointKind::fixed && joint.kind != JointKind::floating;
     const Pose X_JM{along_axis ? mbs::frame_along(joint.axis) : Matrix3d::Identity(), Vector3d::Zero()};
-    result_.bodies[static_cast<std::size_t>(joint.parent)].markers.push_back({name, joint.X_PJ * X_JM});
-    result_.bodies[static_cast<std::size_t>(joint.child)].markers.push_back({name, X_JM});
+    markers_of(joint.parent).push_back({name, joint.X_PJ * X_JM});
+    markers_of(joint.child).push_back({name, X_JM});
     Element element{"joint", name};
-    if (name != joint.name) element.comments.push_back("joint \"" + shown(joint.name) + "\"");
+    if (is_ground(joint.parent))
+      element.comments.emplace_back(choices_.floating_base
+                                        ? "the root floats free"
+                                        : "the root stands on the ground (--base floating frees it)");
+    else if (name != joint.name)
+      element.comments.push_back("joint \"" + shown(joint.name) + "\"");
     if (joint.limit && joint.limit->velocity > 0.0)
       element.comments.push_back(
           fmt::format("the URDF's greatest speed, {} {}, is no physical law and not enforced",
@@ -173,7 +186,7 @@ class Converter {
   // Where drives hold whatever moves, nothing is left to be integrated.
   void choose_method() {
     const auto moves = [](const Joint& joint) { return joint.kind != JointKind::fixed && !joint.mimic; };
-    if (choices_.floating_base || std::ranges::none_of(robot_.joints, moves) ||
+    if (std::ranges::none_of(robot_.joints, moves) ||
         !std::ranges::all_of(robot_.joints, [&](const Joint& j) { return !moves(j) || j.is_driven; }))
       return;
     result_.solver = {{"method", toml(std::string("kinematics"))}};

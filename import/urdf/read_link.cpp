@@ -44,7 +44,11 @@ Matrix3d read_inertia(const Element& e, const std::string& link, Findings& findi
 }
 
 std::optional<MassProperties> read_inertial(const Element& e, const std::string& link, Findings& findings) {
-  const auto mass = e.child("mass"), inertia = e.child("inertia");
+  const auto mass = e.child("mass");
+  auto inertia = e.child("inertia");
+  constexpr const char* moments[] = {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
+  if (inertia && std::ranges::none_of(moments, [&](const char* name) { return inertia->has(name); }))
+    inertia.reset();
   if (!mass && !inertia) {
     findings.note("links whose <inertial> is empty",
                   fmt::format("<inertial> of link \"{}\" holds neither mass nor inertia", link), e.line());

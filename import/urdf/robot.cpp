@@ -36,10 +36,7 @@ class Reader {
     read_named("joint", [&](const Element& e) { add_joint(e); });
     for (const auto& [joint, e] : with_mimic_) findings_.kept([&] { return read_mimic(joint, e); });
     for (const Element& transmission : root_.children("transmission")) read_transmission(transmission);
-    for (const Element& gazebo : root_.children("gazebo"))
-      if (gazebo.has("reference"))
-        if (const auto link = link_index_.find(gazebo.text("reference")); link != link_index_.end())
-          read_touch(gazebo, robot_.links[static_cast<std::size_t>(link->second)].touch);
+    for (const Element& gazebo : root_.children("gazebo")) read_gazebo(gazebo);
     note_passed_over();
     findings_.require_no_fault();
     require_size();
@@ -186,11 +183,43 @@ class Reader {
                                robot_.links.size(), movable, most_links, most_movable));
   }
 
+  // Contacts of a link, and what Gazebo does beside the URDF.
+  void read_gazebo(const Element& gazebo) {
+    for (const Element& joint : gazebo.children("joint")) note_if_joins(joint);
+    const auto link = link_index_.find(gazebo.has("reference") ? gazebo.text("reference") : "");
+    if (link == link_index_.end()) return;
+    read_touch(gazebo, robot_.links[static_cast<std::size_t>(link->second)].touch);
+    const auto says = [&](const char* tag, std::string_view value, std::string_view other) {
+      const auto list = gazebo.children(tag);
+      return !list.empty() && (list.front().text() == value || list.front().text() == other);
+    };
+    if (says("turnGravityOff", "true", "1") || says("gravity", "false", "0"))
+      findings_.note("links without weight in Gazebo",
+                     fmt::format("link \"{}\" has no weight in Gazebo, but here", shown(link->first)),
+                     gazebo.line());
+  }
+
+  // Loops and springs of extensions: what joins two links and is not taken over is said, and refused by --strict.
+  void note_if_joins(const Element& e) {
+    const auto both = [&](const char* one, const char* other) {
+      return !e.children(one).empty() && !e.children(other).empty();
+    };
+    if (both("link1", "link2") || both("parent", "child") ||
+        both("drake:bushing_frameA", "drake:bushing_frameC"))
+      findings_.repair(
+          "joints and springs of extensions that are left out",
+          fmt::format("<{}> \"{}\" joins two links and is no joint of a URDF: left out, a loop stays "
+                      "open; add it to the mechanism file",
+                      shown(e.tag()), e.has("name") ? shown(e.text("name")) : ""),
+          e.line());
+  }
+
   void note_passed_over() {
     for (const Element& e : root_.children()) {
       const std::string tag = e.tag();
-      if (tag != "link" && tag != "joint" && tag != "material" && tag != "transmission")
-        passed_over_.insert("<" + shown(tag) + ">");
+      if (tag == "link" || tag == "joint" || tag == "material" || tag == "transmission") continue;
+      passed_over_.insert("<" + shown(tag) + ">");
+      note_if_joins(e);
     }
     for (const std::string& what : passed_over_)
       findings_.note("kinds of elements passed over", "passed over: " + what);

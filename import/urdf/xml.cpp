@@ -135,6 +135,11 @@ Pose Element::origin() const {
   const auto element = child("origin");
   if (!element) return {};
   const Eigen::Vector3d rpy = element->vector("rpy", Eigen::Vector3d::Zero());
+  if (constexpr double turn = 6.2832; rpy.cwiseAbs().maxCoeff() > turn)
+    findings_->note("angles of more than a turn",
+                    fmt::format("rpy of <origin> is {} {} {}: taken as radians, as a URDF has them", rpy.x(),
+                                rpy.y(), rpy.z()),
+                    element->line());
   const double cr = std::cos(rpy.x()), sr = std::sin(rpy.x()), cp = std::cos(rpy.y()), sp = std::sin(rpy.y()),
                cy = std::cos(rpy.z()), sy = std::sin(rpy.z());
   Pose X;
