@@ -9,13 +9,12 @@
 #include <iostream>
 
 #include "import/app/ask.hpp"
+#include "import/app/robot.hpp"
 #include "import/app/tree_robot.hpp"
 #include "import/cad/joints/build.hpp"
 #include "import/model/findings.hpp"
 #include "import/model/folder.hpp"
 #include "import/page/page.hpp"
-#include "import/urdf/convert.hpp"
-#include "import/urdf/link_parts.hpp"
 #include "mbs/base/documents/shown_text.hpp"
 #include "mbs/base/documents/units.hpp"
 #include "mbs/base/terminal/command_line.hpp"
@@ -27,10 +26,24 @@ namespace fs = std::filesystem;
 using namespace flexura;
 
 struct Arguments {
-  std::string input, output, base, joints, ground, density, clearance, time_limit;
+  std::string input, output, base, joints, ground, density, clearance, time_limit, massless, controllers,
+      xacro;
   std::vector<std::string> packages;
-  bool force = false, no_stops = false;
+  bool force = false, no_stops = false, strict = false;
 };
+
+// Names that are others here than in the file.
+void print_names(const import::Mechanism& mechanism, const fs::path& folder) {
+  constexpr std::size_t most = 20;
+  if (mechanism.renamed.empty()) return;
+  terminal::Table table({{"of the file", terminal::Align::left}, {"name here", terminal::Align::left}});
+  for (std::size_t i = 0; i < std::min(most, mechanism.renamed.size()); ++i)
+    table.add_row({input::shown_text(mechanism.renamed[i].first), mechanism.renamed[i].second});
+  fmt::print("{}", table.text());
+  if (mechanism.renamed.size() > most)
+    fmt::print("... and {} more, at the head of {}\n", mechanism.renamed.size() - most,
+               (folder / "mechanism.toml").string());
+}
 
 void report(const import::Mechanism& mechanism, const std::filesystem::path& folder,
             const terminal::Verbosity& verbosity) {
@@ -38,6 +51,7 @@ void report(const import::Mechanism& mechanism, const std::filesystem::path& fol
   std::size_t joints = 0;
   for (const import::Element& e : mechanism.elements) joints += e.table == "joint" ? 1 : 0;
   for (const std::string& note : mechanism.notes) terminal::say(stderr, "note: " + note);
+  print_names(mechanism, folder);
   if (!mechanism.note_count.empty()) terminal::say(stderr, mechanism.note_count);
   fmt::print("{} bodies, {} joints, {} other elements\n", mechanism.bodies.size(), joints,
              mechanism.elements.size() - joints);
@@ -54,14 +68,28 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_robot) {
   if (is_robot) {
     refuse(!a.joints.empty(), "--joints", "assemblies");
     refuse(!a.ground.empty(), "--ground", "assemblies");
-    refuse(!a.density.empty(), "--density", "assemblies");
     refuse(!a.clearance.empty(), "--clearance", "assemblies");
     refuse(!a.time_limit.empty(), "--time-limit", "assemblies");
   } else {
     refuse(!a.base.empty(), "--base", "robots");
     refuse(a.no_stops, "--no-stops", "robots");
+    refuse(a.strict, "--strict", "robots");
+    refuse(!a.massless.empty(), "--massless", "robots");
+    refuse(!a.controllers.empty(), "--controllers", "robots");
+    refuse(!a.xacro.empty(), "--xacro", "robots");
     refuse(!a.packages.empty(), "--package", "robots");
   }
+}
+
+// A MJCF or SDF says by itself what its bodies weigh and which motors it has.
+void refuse_options_of_urdf(const Arguments& a) {
+  for (const auto& [text, option] : {std::pair(&a.massless, "--massless"),
+                                     {&a.controllers, "--controllers"},
+                                     {&a.density, "--density"},
+                                     {&a.xacro, "--xacro"}})
+    if (!text->empty())
+      throw std::invalid_argument(
+          fmt::format("{}: {} is for URDF, which this is not: leave it out", a.input, option));
 }
 
 double quantity(const std::string& text, const char* option, const input::Dimension& dimension,
@@ -98,38 +126,33 @@ void print_proposal(const import::cad::Built& built, const terminal::Verbosity& 
                  : "unknown, not counted for more than 400 bodies that move (flexura check)");
 }
 
-// All parts of an assembly where they stand.
-auto surface_of_step(const fs::path& file) {
-  constexpr double limit_s = 60.0;
-  const import::cad::Assembly assembly = import::cad::read_assembly(file, limit_s);
-  auto surface = import::Surface();
-  for (const import::cad::Instance& i : assembly.instances)
-    surface.append(assembly.parts[static_cast<std::size_t>(i.part)].surface, i.X_WP);
-  import::urdf::weld(surface);
-  return surface;
-}
-
 int import_robot(const Arguments& a, const std::filesystem::path& folder,
                  const terminal::Verbosity& verbosity) {
-  import::Mechanism mechanism =
-      import::urdf::to_mechanism(import::urdf::read_robot(a.input), {.floating_base = a.base == "floating",
-                                                                     .stops = !a.no_stops,
-                                                                     .packages = a.packages,
-                                                                     .read_cad = surface_of_step});
-  const std::vector<import::TextFile> parts = import::urdf::link_parts(mechanism);
-  import::write_folder(folder, mechanism, parts, a.force);
-  report(mechanism, folder, verbosity);
+  using import::urdf::Massless;
+  const import::ReadRobot robot =
+      import::read_robot(a.input,
+                         {.floating_base = a.base == "floating",
+                          .stops = !a.no_stops,
+                          .controllers = a.controllers == "pd",
+                          .massless = a.massless == "refuse"       ? Massless::refuse
+                                      : a.massless == "kinematics" ? Massless::kinematics
+                                                                   : Massless::derive,
+                          .density = quantity(a.density, "--density", input::dim::density, 1000.0),
+                          .packages = a.packages},
+                         a.strict, a.xacro == "run");
+  import::write_folder(folder, robot.mechanism, robot.texts, a.force);
+  report(robot.mechanism, folder, verbosity);
   return 0;
 }
 
-int import_tree(const Arguments& a, import::TreeFormat format, const std::filesystem::path& folder,
+int import_tree(const Arguments& a, import::TreeFormat format, const fs::path& folder,
                 const terminal::Verbosity& verbosity) {
   const import::ReadTree robot =
       import::read_tree(a.input, format,
                         {.floating_base = a.base.empty() ? std::nullopt : std::optional(a.base == "floating"),
                          .stops = !a.no_stops,
                          .packages = a.packages},
-                        false);
+                        a.strict);
   import::write_folder(folder, robot.mechanism, robot.texts, a.force);
   report(robot.mechanism, folder, verbosity);
   return 0;
@@ -192,18 +215,20 @@ int import_assembly(const Arguments& a, const std::filesystem::path& folder,
 
 int import_file(const Arguments& a, const terminal::Verbosity& verbosity) {
   const std::string ending = import::ending_of(a.input);
-  if (ending == ".xacro")
-    throw std::invalid_argument(
-        a.input + ": is a xacro template; make the URDF of it first: xacro robot.xacro > robot.urdf");
   const auto tree = import::tree_format(a.input);
-  const bool is_robot = ending == ".urdf" || tree;
+  const bool is_robot = tree || ending == ".urdf" || ending == ".xacro" || ending == ".xml";
   if (!is_robot && ending != ".step" && ending != ".stp")
-    throw std::invalid_argument(a.input +
-                                ": is not of a kind that is imported; name a robot (.urdf, .xml, .mjcf, "
-                                ".sdf, .world) or an assembly (.step, .stp)");
+    throw std::invalid_argument(
+        a.input +
+        ": is not of a kind that is imported; name a robot (.urdf, .xacro, .xml, .mjcf, .sdf, .world) or "
+        "an assembly (.step, .stp)");
   refuse_options_of_the_other_kind(a, is_robot);
-  const std::filesystem::path folder =
-      a.output.empty() ? std::filesystem::path(a.input).stem() : std::filesystem::path(a.output);
+  if (tree) refuse_options_of_urdf(a);
+  fs::path folder = a.output;
+  if (a.output.empty()) {  // robot.urdf.xacro: "robot"
+    folder = fs::path(a.input).stem();
+    if (import::ending_of(folder) == ".urdf") folder = folder.stem();
+  }
   if (tree) return import_tree(a, *tree, folder, verbosity);
   return is_robot ? import_robot(a, folder, verbosity) : import_assembly(a, folder, verbosity);
 }
@@ -212,14 +237,16 @@ std::function<int()> declare(terminal::Options& options, const terminal::Verbosi
   const auto a = std::make_shared<Arguments>();
   options
       .argument("FILE", a->input,
-                "robot (.urdf; .xml or .mjcf of MuJoCo; .sdf or .world of Gazebo) or assembly (.step, .stp)")
+                "robot (.urdf, .xacro; .xml or .mjcf of MuJoCo; .sdf or .world of Gazebo) or assembly "
+                "(.step, .stp)")
       .option("-o,--output", a->output, "FOLDER",
               "folder to write, made where it is not there (default: the file's name)")
       .flag("--force", a->force, "replace files of the folder that are there already")
       .choice("--base", a->base, {"fixed", "floating"},
-              "robots: whether the root link stands on the ground or floats free (default: fixed)")
+              "robots: whether the root link stands on the ground or floats free (default: fixed; of SDF "
+              "floating)")
       .flag("--no-stops", a->no_stops, "robots: leave the limits of the joints' travel out")
-      .option("--package", a->packages, "NAME=FOLDER", "robots: where package://NAME/ of the meshes lies")
+      .option("--package", a->packages, "NAME=FOLDER", "robots: where package://NAME/ or model://NAME/ lies")
       .choice("--joints", a->joints, {"propose", "ask", "none"},
               "assemblies: propose joints from the geometry, ask about each of them, or leave the bodies "
               "free (default: propose)")
@@ -227,8 +254,20 @@ std::function<int()> declare(terminal::Options& options, const terminal::Verbosi
               "assemblies: the body that stands still (default: the one with the largest box)")
       .option("--clearance", a->clearance, "LENGTH",
               "assemblies: greatest gap between faces that touch (default: 0.2 mm)")
-      .option("--density", a->density, "DENSITY",
-              "assemblies: of parts that have none in the file (default: 7850 kg/m^3)")
+      .option(
+          "--density", a->density, "DENSITY",
+          "assemblies: of parts that have none in the file (default: 7850 kg/m^3); robots: of shapes that "
+          "give a link its inertia (default: 1000 kg/m^3)")
+      .choice(
+          "--massless", a->massless, {"derive", "kinematics", "refuse"},
+          "robots: links that move without inertia get that of their shapes, have their joints driven, or "
+          "are refused (default: derive; kinematics where there are no shapes)")
+      .choice("--controllers", a->controllers, {"none", "pd"},
+              "robots: motors are inputs, or follow a target by a PD law (default: none)")
+      .choice("--xacro", a->xacro, {"plain", "run"},
+              "robots: templates are expanded by the program xacro where their formulas are arithmetic, or "
+              "whatever Python is in them (default: plain)")
+      .flag("--strict", a->strict, "robots: refuse what would be repaired")
       .option("--time-limit", a->time_limit, "TIME",
               "assemblies: give the reading up after this time (default: 600 s)")
       .example("flexura import robot.urdf -o robot", "then: flexura simulate robot/mechanism.toml")

@@ -20,6 +20,7 @@ std::optional<TreeFormat> tree_format(const std::filesystem::path& file) {
   if (ending != ".xml") return {};
   const std::string root = xml::read(file, "MJCF or SDF").tag;
   if (root == "sdf" || root == "gazebo") return TreeFormat::sdf;
+  if (root == "robot") return {};
   return TreeFormat::mjcf;
 }
 
@@ -38,7 +39,7 @@ ReadTree read_tree(const std::filesystem::path& file, TreeFormat format, const T
                                        .stops = choices.stops,
                                        .packages = choices.packages},
                                       findings);
-  out.texts = urdf::link_parts(out.mechanism);
+  out.texts = urdf::link_parts(out.mechanism, findings);
   tell(findings, out.mechanism);
   require_run(out.mechanism);
   return out;

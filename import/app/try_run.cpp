@@ -4,39 +4,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 
+#include "import/app/passing_folder.hpp"
 #include "import/model/folder.hpp"
 #include "mbs/study/cache/child_process.hpp"
 
 namespace flexura::import {
-namespace {
-
 namespace fs = std::filesystem;
-
-class PassingFolder {
- public:
-  PassingFolder() {
-    std::string name = (fs::temp_directory_path() / "flexura-import-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr)
-      throw std::runtime_error(name + ": the folder cannot be made; free space, or set TMPDIR");
-    path_ = name;
-  }
-  ~PassingFolder() {
-    std::error_code none;
-    fs::remove_all(path_, none);
-  }
-  PassingFolder(const PassingFolder&) = delete;
-  PassingFolder& operator=(const PassingFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
-}  // namespace
 
 void require_run(Mechanism& mechanism) {
   std::error_code failure;
@@ -56,10 +32,13 @@ void require_run(Mechanism& mechanism) {
   if (run.timed_out)
     mechanism.notes.push_back(
         fmt::format("its first millisecond takes more than {:g} s: whether it runs is not known", limit_s));
-  else if (run.exit_code != 0)
-    throw std::runtime_error(
-        fmt::format("the mechanism made of it does not run ({}); correct what this names in the file",
-                    run.err.substr(run.err.rfind("error: ") + 7)));
+  if (run.timed_out || run.exit_code == 0) return;
+  constexpr std::string_view mark = "error: ";
+  const auto from = run.err.rfind(mark);
+  std::string why = from == std::string::npos ? run.err : run.err.substr(from + mark.size());
+  while (why.ends_with('\n')) why.pop_back();
+  throw std::runtime_error(
+      fmt::format("the mechanism made of it does not run ({}); correct what this names in the file", why));
 }
 
 }  // namespace flexura::import

@@ -233,7 +233,8 @@ void read_collada(const std::filesystem::path& file, const std::string& text, Su
   if (document.Parse(text.c_str(), text.size()) != tinyxml2::XML_SUCCESS || document.RootElement() == nullptr)
     builder.refuse(fmt::format("is no COLLADA document: line {} is not XML; save it again, or as STL",
                                document.ErrorLineNum()));
-  const Element root(file, *document.RootElement());
+  Findings none(file);
+  const Element root(none, *document.RootElement());
   if (root.tag() != "COLLADA")
     builder.refuse(
         fmt::format("is no COLLADA document (it begins with <{}>); save it again, or as STL", root.tag()));

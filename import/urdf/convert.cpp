@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <numbers>
-#include <stdexcept>
+#include <set>
 
-#include "import/model/folder.hpp"
-#include "import/urdf/mesh_file.hpp"
+#include "import/urdf/draw.hpp"
+#include "import/urdf/massless.hpp"
+#include "import/urdf/start.hpp"
 #include "mbs/base/math/rotation.hpp"
 
 namespace flexura::import::urdf {
@@ -19,204 +19,115 @@ namespace {
 // A stop that the joint, with all that it carries, bounces on with this frequency and damping ratio; at its greatest effort it
 // gives way by this part of its travel at most.
 constexpr double kStopFrequency_hz = 20.0, kStopDampingRatio = 0.3, kStopYield = 0.01;
-
-// Of all pictures: many links can show one file.
-constexpr std::size_t kMostTriangles = 10'000'000;
-
-bool has_one_coordinate(const Joint& joint) {
-  return joint.kind == JointKind::revolute || joint.kind == JointKind::continuous ||
-         joint.kind == JointKind::prismatic;
-}
-
-bool turns(const Joint& joint) {
-  return joint.kind == JointKind::revolute || joint.kind == JointKind::continuous;
-}
-
-bool is_step(const std::filesystem::path& file) {
-  const std::string ending = ending_of(file);
-  return ending == ".step" || ending == ".stp";
-}
+constexpr double kControlFrequency_hz = 2.0;
 
 class Converter {
  public:
-  Converter(const Robot& robot, const Choices& choices) : robot_(robot), choices_(choices) {}
+  Converter(Robot robot, const Choices& choices, Findings& findings)
+      : robot_(std::move(robot)), choices_(choices), findings_(findings), drawer_(robot_.file, choices) {}
 
   Mechanism convert() {
+    add_ground();
     q_ = start_coordinates(robot_);
-    H_ = start_mass_matrix(robot_, q_, joint_of_);
-    require_inertia();
+    lock_joints();
+    treat_massless(robot_, q_, choices_, drawer_, findings_);
+    findings_.require_no_fault();
+    start_ = start_mass(robot_, q_);
     result_.name = robot_.name;
-    result_.notes = robot_.notes;
     result_.comments = {
         "imported by flexura import from " + shown(robot_.file.filename().string()),
         "Bodies have the frames of the links; the coordinates of the joints are those of the URDF."};
-    for (const Link& link : robot_.links) add_body(link);
-    add_base();
+    for (std::size_t l = 0; l + 1 < robot_.links.size(); ++l) add_body(robot_.links[l]);
     // Names of bodies and joints are kept apart: both stand in the names of results.
-    for (const Joint& joint : robot_.joints) joint_names_.push_back(names_.add(joint.name));
+    const std::string base = names_.add(robot_.joints.back().name);
+    for (std::size_t j = 0; j + 1 < robot_.joints.size(); ++j)
+      joint_names_.push_back(name_for("joint", robot_.joints[j].name));
+    joint_names_.push_back(base);
     for (const int j : robot_.order) add_joint(static_cast<std::size_t>(j));
     for (const int j : robot_.order) add_forces(static_cast<std::size_t>(j));
-    for (const Transmission& transmission : robot_.transmissions) add_actuator(transmission);
+    add_actuators();
+    choose_method();
     return std::move(result_);
   }
 
  private:
-  // The coordinates that mimic others are not free: H in those that are must be positive definite.  Scaled to
-  // a unit diagonal; a rank that is missing leaves a pivot of round-off, n 1e-16, against which 1e-10 is wide:
-  // a robot's lightest link turns with 1e-6 or more of what hangs on its joint.
-  void require_inertia() const {
-    std::vector<Eigen::Index> free;
-    Eigen::MatrixXd T = Eigen::MatrixXd::Zero(H_.rows(), H_.cols());
-    for (Eigen::Index i = 0; i < H_.rows(); ++i) {
-      double factor = 1.0;
-      int joint = joint_of_[static_cast<std::size_t>(i)];
-      while (robot_.joints[static_cast<std::size_t>(joint)].mimic) {
-        const Mimic& mimic = *robot_.joints[static_cast<std::size_t>(joint)].mimic;
-        factor *= mimic.multiplier;
-        joint = mimic.joint;
-      }
-      if (joint == joint_of_[static_cast<std::size_t>(i)]) {
-        free.push_back(i);
-        T(i, i) = 1.0;
-      } else {
-        const auto leader = std::ranges::find(joint_of_, joint) - joint_of_.begin();
-        T(i, leader) = factor;
+  std::string name_for(const char* what, const std::string& wanted) {
+    std::string name = names_.add(wanted);
+    std::string small = wanted;
+    for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    const bool is_like_another = !small_names_.insert(what + small).second;
+    if (name != wanted || is_like_another)
+      result_.renamed.emplace_back(fmt::format("{} \"{}\"", what, wanted), name);
+    return name;
+  }
+
+  // A joint without travel is fixed where it stands, and so is what mimics one.
+  void lock_joints() {
+    for (bool again = true; again;) {
+      again = false;
+      for (std::size_t j = 0; j < robot_.joints.size(); ++j) {
+        Joint& joint = robot_.joints[j];
+        if (!has_one_coordinate(joint)) continue;
+        const bool follows =
+            joint.mimic &&
+            robot_.joints[static_cast<std::size_t>(joint.mimic->joint)].kind == JointKind::fixed;
+        const bool has_no_travel = choices_.stops && !joint.mimic && joint.limit &&
+                                   joint.kind != JointKind::continuous &&
+                                   joint.limit->lower == joint.limit->upper;
+        if (!follows && !has_no_travel) continue;
+        findings_.note(
+            "joints without travel",
+            follows ? fmt::format("joint \"{}\" mimics one that does not move: fixed at {}",
+                                  shown(joint.name), q_[j])
+                    : fmt::format("joint \"{}\" has no travel, lower and upper are both {}: fixed there; "
+                                  "give its limits, or let it move by --no-stops",
+                                  shown(joint.name), joint.limit->lower),
+            joint.line);
+        joint.X_PJ = joint.X_PJ * motion_of(joint, q_[j]);
+        joint.kind = JointKind::fixed;
+        joint.mimic.reset();
+        joint.limit.reset();
+        q_[j] = 0.0;
+        again = true;
       }
     }
-    const Eigen::MatrixXd reduced = (T.transpose() * H_ * T)(free, free);
-    const auto refuse = [&](Eigen::Index i, const char* what) {
-      const Joint& joint = robot_.joints[static_cast<std::size_t>(
-          joint_of_[static_cast<std::size_t>(free[static_cast<std::size_t>(i)])])];
-      throw std::invalid_argument(
-          fmt::format("{}:{}: joint \"{}\" {}, so its acceleration would be anything; give the links behind "
-                      "it <inertial>, or make the joint fixed",
-                      robot_.file.string(), joint.line, shown(joint.name), what));
-    };
-    Eigen::MatrixXd L = reduced;
-    for (Eigen::Index i = 0; i < L.rows(); ++i)
-      if (!(reduced(i, i) > 0.0)) refuse(i, "moves links without inertia");
-    const Eigen::VectorXd scale = reduced.diagonal().cwiseSqrt().cwiseInverse();
-    L = scale.asDiagonal() * reduced * scale.asDiagonal();
-    for (Eigen::Index k = 0; k < L.rows(); ++k) {  // Cholesky, column by column
-      if (!(L(k, k) > 1e-10))
-        refuse(k, "moves links that have no inertia apart from the joints before it, at the start position");
-      L.col(k).tail(L.rows() - k) /= std::sqrt(L(k, k));
-      for (Eigen::Index j = k + 1; j < L.rows(); ++j)
-        L.col(j).tail(L.rows() - j) -= L(j, k) * L.col(k).tail(L.rows() - j);
-    }
+    std::erase_if(robot_.transmissions, [&](const Transmission& t) {
+      return robot_.joints[static_cast<std::size_t>(t.joint)].kind == JointKind::fixed;
+    });
   }
 
   void add_body(const Link& link) {
     Body body;
-    body.name = names_.add(link.name);
+    body.name = name_for("link", link.name);
     if (body.name != link.name) body.comments.push_back("link \"" + shown(link.name) + "\"");
     if (link.inertial) {
       body.mass = link.inertial->mass;
       body.center = link.inertial->center;
       body.inertia = link.inertial->inertia;
     }
-    draw(link, body);
+    drawer_.draw(link, body, findings_);
     result_.bodies.push_back(std::move(body));
   }
 
-  // Boxes that are turned in the link, meshes: triangles, which a rigid superelement carries.  Without those,
-  // the mechanism file's own solids.
-  void draw(const Link& link, Body& body) {
-    const auto is_plain = [](const Visual& v) {
-      return v.kind == Visual::Kind::cylinder || v.kind == Visual::Kind::sphere ||
-             (v.kind == Visual::Kind::box && (v.X_LV.R - Matrix3d::Identity()).isZero(0.0));
-    };
-    for (const Visual& visual : link.visuals) {
-      if (is_plain(visual)) {
-        body.shapes.push_back(shape_lines(visual));
-        continue;
-      }
-      if (!(body.mass > 0.0)) {
-        result_.notes.push_back(
-            fmt::format("link \"{}\" has no mass and its mesh no picture: only bodies with mass carry one",
-                        shown(link.name)));
-        continue;
-      }
-      if (visual.kind == Visual::Kind::box) {
-        body.surface.append(box_surface(visual.size), visual.X_LV);
-        continue;
-      }
-      try {
-        // Before another one is read.
-        if (n_triangles_ > kMostTriangles)
-          throw std::invalid_argument(fmt::format(
-              "the pictures before it hold {} triangles, the most that are taken", kMostTriangles));
-        const std::filesystem::path file = find_mesh(visual.mesh, robot_.file, choices_.packages);
-        Surface mesh = is_step(file) && choices_.read_cad ? choices_.read_cad(file) : read_surface(file);
-        for (Vector3d& v : mesh.vertices) v = v.cwiseProduct(visual.size);
-        if (visual.size.prod() < 0.0)  // mirrored
-          for (Eigen::Vector3i& t : mesh.triangles) std::swap(t[1], t[2]);
-        n_triangles_ += mesh.triangles.size();
-        body.surface.append(mesh, visual.X_LV);
-      } catch (const std::bad_alloc&) {
-        throw;
-      } catch (const std::exception& why) {  // of the file, or of the child that reads CAD files
-        result_.notes.push_back(
-            fmt::format("link \"{}\" without that picture: {}", shown(link.name), why.what()));
-      }
-    }
+  bool is_ground(int link) const { return link == robot_.root; }
+  std::string body_name(int link) const {
+    return is_ground(link) ? "ground" : result_.bodies[static_cast<std::size_t>(link)].name;
+  }
+  std::vector<Marker>& markers_of(int link) {
+    return is_ground(link) ? result_.ground : result_.bodies[static_cast<std::size_t>(link)].markers;
   }
 
-  static std::vector<Line> shape_lines(const Visual& visual) {
-    std::vector<Line> lines;
-    switch (visual.kind) {
-      case Visual::Kind::box:
-        lines = {
-            {"type", toml(std::string("box"))}, {"center", toml(visual.X_LV.p)}, {"size", toml(visual.size)}};
-        break;
-      case Visual::Kind::cylinder: {
-        const Vector3d half = visual.X_LV.R.col(2) * (0.5 * visual.length);
-        lines = {{"type", toml(std::string("cylinder"))},
-                 {"from", toml(Vector3d(visual.X_LV.p - half))},
-                 {"to", toml(Vector3d(visual.X_LV.p + half))},
-                 {"radius", toml(visual.radius)}};
-        break;
-      }
-      default:
-        lines = {{"type", toml(std::string("sphere"))},
-                 {"center", toml(visual.X_LV.p)},
-                 {"radius", toml(visual.radius)}};
-    }
-    if (!visual.color.empty()) lines.emplace_back("color", toml(visual.color));
-    return lines;
-  }
-
-  static Surface box_surface(const Vector3d& size) {
-    Surface box;
-    for (int i = 0; i < 8; ++i)
-      box.vertices.emplace_back(size.x() * ((i & 1) - 0.5), size.y() * ((i >> 1 & 1) - 0.5),
-                                size.z() * ((i >> 2 & 1) - 0.5));
-    const int faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
-                             {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-    for (const auto& f : faces) {
-      box.triangles.emplace_back(f[0], f[1], f[2]);
-      box.triangles.emplace_back(f[0], f[2], f[3]);
-    }
-    for (int i = 0; i < 8; ++i)
-      for (const int bit : {1, 2, 4})
-        if ((i & bit) == 0) box.edges.emplace_back(i, i | bit);
-    return box;
-  }
-
-  std::string body_name(int link) const { return result_.bodies[static_cast<std::size_t>(link)].name; }
-
-  void add_base() {
-    const std::string root = body_name(robot_.root);
-    result_.ground.push_back({"base", {}});
-    result_.bodies[static_cast<std::size_t>(robot_.root)].markers.push_back({"base", {}});
-    result_.elements.push_back(
-        {"joint",
-         names_.add("base"),
-         {choices_.floating_base ? "the root floats free"
-                                 : "the root stands on the ground (--base floating frees it)"},
-         {{"type", toml(std::string(choices_.floating_base ? "free" : "fixed"))},
-          {"from", toml(std::string("ground.base"))},
-          {"to", toml(root + ".base")}}});
+  // The ground becomes the root, without a body, and what holds the robot's root to it the last joint.
+  void add_ground() {
+    const int ground = static_cast<int>(robot_.links.size()), base = static_cast<int>(robot_.joints.size());
+    robot_.links[static_cast<std::size_t>(robot_.root)].parent_joint = base;
+    robot_.joints.push_back({.name = "base",
+                             .kind = choices_.floating_base ? JointKind::floating : JointKind::fixed,
+                             .parent = ground,
+                             .child = robot_.root});
+    robot_.links.push_back({.name = "ground"});
+    robot_.order.insert(robot_.order.begin(), base);
+    robot_.root = ground;
   }
 
   void add_joint(std::size_t j) {
@@ -226,10 +137,15 @@ class Converter {
     // The coordinate's axis is the markers' z axis.
     const bool along_axis = joint.kind != JointKind::fixed && joint.kind != JointKind::floating;
     const Pose X_JM{along_axis ? mbs::frame_along(joint.axis) : Matrix3d::Identity(), Vector3d::Zero()};
-    result_.bodies[static_cast<std::size_t>(joint.parent)].markers.push_back({name, joint.X_PJ * X_JM});
-    result_.bodies[static_cast<std::size_t>(joint.child)].markers.push_back({name, X_JM});
+    markers_of(joint.parent).push_back({name, joint.X_PJ * X_JM});
+    markers_of(joint.child).push_back({name, X_JM});
     Element element{"joint", name};
-    if (name != joint.name) element.comments.push_back("joint \"" + shown(joint.name) + "\"");
+    if (is_ground(joint.parent))
+      element.comments.emplace_back(choices_.floating_base
+                                        ? "the root floats free"
+                                        : "the root stands on the ground (--base floating frees it)");
+    else if (name != joint.name)
+      element.comments.push_back("joint \"" + shown(joint.name) + "\"");
     if (joint.limit && joint.limit->velocity > 0.0)
       element.comments.push_back(
           fmt::format("the URDF's greatest speed, {} {}, is no physical law and not enforced",
@@ -237,12 +153,14 @@ class Converter {
     element.lines = {{"type", toml(std::string(types[static_cast<int>(joint.kind)]))},
                      {"from", toml(body_name(joint.parent) + "." + name)},
                      {"to", toml(body_name(joint.child) + "." + name)}};
-    if (q_[j] != 0.0) {
+    if (joint.is_driven)
+      for (const char* drive : drives_of(joint.kind)) element.lines.emplace_back(drive, toml(q_[j]));
+    else if (q_[j] != 0.0)
       element.lines.emplace_back(turns(joint) ? "angle" : "position", toml(q_[j]));
-      if (!joint.mimic)
-        result_.notes.push_back(
-            fmt::format("joint \"{}\" starts at its limit {}: 0 is outside", shown(joint.name), q_[j]));
-    }
+    if (q_[j] != 0.0 && !joint.mimic)
+      findings_.note(
+          "joints that start at a limit",
+          fmt::format("joint \"{}\" starts at its limit {}: 0 is outside", shown(joint.name), q_[j]));
     result_.elements.push_back(std::move(element));
     if (joint.mimic)
       result_.elements.push_back(
@@ -257,15 +175,36 @@ class Converter {
             {"offset", toml(joint.mimic->offset)}}});
   }
 
+  // Of all coordinates of such a joint.
+  static std::vector<const char*> drives_of(JointKind kind) {
+    if (kind == JointKind::planar) return {"drive_x", "drive_y", "drive_angle"};
+    if (kind == JointKind::floating)
+      return {"drive_x", "drive_y", "drive_z", "drive_rotation_x", "drive_rotation_y", "drive_rotation_z"};
+    return {"drive"};
+  }
+
+  // Where drives hold whatever moves, nothing is left to be integrated.
+  void choose_method() {
+    const auto moves = [](const Joint& joint) { return joint.kind != JointKind::fixed && !joint.mimic; };
+    if (std::ranges::none_of(robot_.joints, moves) ||
+        !std::ranges::all_of(robot_.joints, [&](const Joint& j) { return !moves(j) || j.is_driven; }))
+      return;
+    result_.solver = {{"method", toml(std::string("kinematics"))}};
+    findings_.note(
+        "robots for prescribed motion",
+        "drives prescribe the whole motion: [solver] method = \"kinematics\"; change the drives of "
+        "the joints");
+  }
+
   // What is carried along the joint's coordinate at the start, mimicking joints aside [kg or kg m^2].
   double carried(std::size_t j) const {
-    const auto at = std::ranges::find(joint_of_, static_cast<int>(j)) - joint_of_.begin();
-    return H_(at, at);
+    const auto at = std::ranges::find(start_.joint_of, static_cast<int>(j)) - start_.joint_of.begin();
+    return start_.H(at, at);
   }
 
   void add_forces(std::size_t j) {
     const Joint& joint = robot_.joints[j];
-    if (!has_one_coordinate(joint)) return;
+    if (!has_one_coordinate(joint) || joint.is_driven) return;
     const std::string& name = joint_names_[j];
     const Line of_joint = {"joint", toml(name)};
     if (joint.friction > 0.0)
@@ -284,38 +223,83 @@ class Converter {
            {{"type", toml(std::string("joint_spring_damper"))}, of_joint, {"damping", toml(joint.damping)}}});
     // A joint that mimics is held by the one that it mimics.
     if (!choices_.stops || !joint.limit || joint.kind == JointKind::continuous || joint.mimic) return;
-    if (joint.limit->lower == joint.limit->upper)
-      result_.notes.push_back(
-          fmt::format("joint \"{}\" has no travel, lower and upper are both {}: its stops hold it there; "
-                      "make it fixed, or "
-                      "give its limits",
-                      shown(joint.name), joint.limit->lower));
-    const double travel = std::max(joint.limit->upper - joint.limit->lower, turns(joint) ? 0.01 : 0.001);
+    const bool has_lower = std::isfinite(joint.limit->lower), has_upper = std::isfinite(joint.limit->upper);
+    if (!has_lower && !has_upper) return;
+    const double least = turns(joint) ? 0.01 : 0.001,
+                 travel =
+                     has_lower && has_upper ? std::max(joint.limit->upper - joint.limit->lower, least) : 1.0;
     const double omega = 2.0 * std::numbers::pi * kStopFrequency_hz, inertia = carried(j);
     const double k = std::max(inertia * omega * omega, joint.limit->effort / (kStopYield * travel));
+    std::vector<Line> lines = {{"type", toml(std::string("bump_stop"))}, of_joint};
+    if (has_lower) lines.emplace_back("lower", toml(joint.limit->lower));
+    if (has_upper) lines.emplace_back("upper", toml(joint.limit->upper));
+    lines.emplace_back("stiffness", toml(k));
+    lines.emplace_back("damping", toml(2.0 * kStopDampingRatio * std::sqrt(k * inertia)));
     result_.elements.push_back({"force",
                                 names_.add(name + "_stop"),
                                 {"stiffness and damping are chosen, the URDF has none: 20 Hz with what the "
                                  "joint carries, damping ratio 0.3, "
                                  "at most 1 % of the travel under its effort"},
-                                {{"type", toml(std::string("bump_stop"))},
-                                 of_joint,
-                                 {"lower", toml(joint.limit->lower)},
-                                 {"upper", toml(joint.limit->upper)},
-                                 {"stiffness", toml(k)},
-                                 {"damping", toml(2.0 * kStopDampingRatio * std::sqrt(k * inertia))}}});
+                                lines});
+  }
+
+  // Those of the file; for controllers every other joint that moves by itself has one as well.
+  void add_actuators() {
+    std::vector<bool> has_motor(robot_.joints.size());
+    for (const Transmission& transmission : robot_.transmissions) {
+      add_actuator(transmission);
+      has_motor[static_cast<std::size_t>(transmission.joint)] = true;
+    }
+    if (!choices_.controllers) return;
+    for (const int j : robot_.order)
+      if (const Joint& joint = robot_.joints[static_cast<std::size_t>(j)];
+          has_one_coordinate(joint) && !joint.mimic && !has_motor[static_cast<std::size_t>(j)])
+        add_actuator({.name = joint.name, .actuator = joint.name, .joint = j});
+  }
+
+  // The signal of a motor: an input, or a controller of the same name that follows a target.
+  void add_signal(const std::string& signal, const Transmission& transmission) {
+    const auto j = static_cast<std::size_t>(transmission.joint);
+    const Joint& joint = robot_.joints[j];
+    const std::string unit = turns(joint) ? "N m" : "N";
+    if (!choices_.controllers) {
+      result_.elements.push_back(
+          {"input",
+           signal,
+           {fmt::format("effort of actuator \"{}\" [{}]; a [control.{}] of any type can take its place",
+                        shown(transmission.actuator), unit, signal)},
+           {{"value", "0.0"}}});
+      return;
+    }
+    const std::string target = names_.add("target_" + transmission.actuator);
+    result_.elements.push_back(
+        {"input",
+         target,
+         {fmt::format("where joint \"{}\" is to go [{}]", shown(joint.name), turns(joint) ? "rad" : "m")},
+         {{"value", toml(q_[j])}}});
+    const double omega = 2.0 * std::numbers::pi * kControlFrequency_hz,
+                 gain = carried(j) / transmission.reduction;
+    result_.elements.push_back(
+        {"control",
+         signal,
+         {fmt::format(
+             "effort of actuator \"{}\" [{}]: PD law, 2 Hz and critically damped with what the joint "
+             "carries at the start",
+             shown(transmission.actuator), unit)},
+         {{"type", toml(std::string("pid"))},
+          {"error",
+           toml(fmt::format("{} - {}.{}", target, joint_names_[j], turns(joint) ? "angle" : "position"))},
+          {"proportional", toml(gain * omega * omega)},
+          {"derivative", toml(2.0 * gain * omega)}}});
   }
 
   void add_actuator(const Transmission& transmission) {
     const auto j = static_cast<std::size_t>(transmission.joint);
     const Joint& joint = robot_.joints[j];
-    const std::string input = names_.add("u_" + transmission.actuator);
-    result_.elements.push_back({"input",
-                                input,
-                                {fmt::format("effort of actuator \"{}\" [{}]", shown(transmission.actuator),
-                                             turns(joint) ? "N m" : "N")},
-                                {{"value", "0.0"}}});
-    std::string effort = fmt::format("{} * {}", toml(transmission.reduction), input);
+    if (joint.is_driven) return;
+    const std::string signal = names_.add("u_" + transmission.actuator);
+    add_signal(signal, transmission);
+    std::string effort = fmt::format("{} * {}", toml(transmission.reduction), signal);
     if (joint.limit && joint.limit->effort > 0.0)
       effort =
           fmt::format("max({}, min({}, {}))", toml(-joint.limit->effort), toml(joint.limit->effort), effort);
@@ -327,21 +311,22 @@ class Converter {
                                  {"value", toml(effort)}}});
   }
 
-  const Robot& robot_;
+  Robot robot_;
   const Choices& choices_;
+  Findings& findings_;
+  Drawer drawer_;
   Names names_;
+  std::set<std::string> small_names_;
   std::vector<std::string> joint_names_;
   std::vector<double> q_;
-  Eigen::MatrixXd H_;
-  std::size_t n_triangles_ = 0;
-  std::vector<int> joint_of_;
+  StartMass start_;
   Mechanism result_;
 };
 
 }  // namespace
 
-Mechanism to_mechanism(const Robot& robot, const Choices& choices) {
-  return Converter(robot, choices).convert();
+Mechanism to_mechanism(Robot robot, const Choices& choices, Findings& findings) {
+  return Converter(std::move(robot), choices, findings).convert();
 }
 
 }  // namespace flexura::import::urdf

@@ -18,9 +18,7 @@ namespace {
 constexpr double kSame =
     1e-5;  // of the size: vertices nearer than this are one; triangles of pictures have 1e-3
 
-/// Every edge between two triangles that turn alike, and all of them connected.
-bool bounds_one_body(const Surface& surface) {
-  std::map<std::pair<int, int>, std::pair<int, int>> edges;  // how often along, how often against
+bool is_one_piece(const Surface& surface) {
   std::vector<int> root(surface.vertices.size());
   std::iota(root.begin(), root.end(), 0);
   const auto top = [&](int v) {
@@ -30,15 +28,9 @@ bool bounds_one_body(const Surface& surface) {
     return v;
   };
   for (const Eigen::Vector3i& t : surface.triangles)
-    for (int k = 0; k < 3; ++k) {
-      const int a = t(k), b = t((k + 1) % 3);
-      auto& [along, against] = edges[std::minmax(a, b)];
-      ++(a < b ? along : against);
-      root[static_cast<std::size_t>(top(a))] = top(b);
-    }
+    for (int k = 0; k < 3; ++k) root[static_cast<std::size_t>(top(t(k)))] = top(t((k + 1) % 3));
   const int first = top(surface.triangles.front()(0));
-  return std::ranges::all_of(edges, [](const auto& edge) { return edge.second == std::pair(1, 1); }) &&
-         std::ranges::all_of(surface.triangles, [&](const Eigen::Vector3i& t) { return top(t(0)) == first; });
+  return std::ranges::all_of(surface.triangles, [&](const Eigen::Vector3i& t) { return top(t(0)) == first; });
 }
 
 double volume_of(const Surface& surface) {
@@ -69,6 +61,18 @@ std::string binary_stl(const Surface& surface) {
 }
 
 }  // namespace
+
+bool is_closed(const Surface& surface) {
+  std::map<std::pair<int, int>, std::pair<int, int>> edges;  // how often along, how often against
+  for (const Eigen::Vector3i& t : surface.triangles)
+    for (int k = 0; k < 3; ++k) {
+      const int a = t(k), b = t((k + 1) % 3);
+      auto& [along, against] = edges[std::minmax(a, b)];
+      ++(a < b ? along : against);
+    }
+  return !edges.empty() &&
+         std::ranges::all_of(edges, [](const auto& edge) { return edge.second == std::pair(1, 1); });
+}
 
 void weld(Surface& surface) {
   Eigen::AlignedBox3d box;
@@ -112,13 +116,13 @@ void weld(Surface& surface) {
   }
 }
 
-std::vector<TextFile> link_parts(Mechanism& mechanism) {
+std::vector<TextFile> link_parts(const Mechanism& mechanism, Findings& findings) {
   std::vector<TextFile> out;
   std::vector<std::string> others;
   for (const Body& body : mechanism.bodies) {
     if (body.surface.empty()) continue;
     const double volume = std::abs(volume_of(body.surface));
-    if (!bounds_one_body(body.surface) || !(volume > 0.0)) {
+    if (!is_closed(body.surface) || !is_one_piece(body.surface) || !(volume > 0.0)) {
       others.push_back(body.name);
       continue;
     }
@@ -137,7 +141,8 @@ std::vector<TextFile> link_parts(Mechanism& mechanism) {
              fmt::format("{:.9g}", body.mass / volume))});
   }
   if (!others.empty())
-    mechanism.notes.push_back(
+    findings.note(
+        "links that cannot be made flexible",
         fmt::format("{} cannot be made flexible by --reduce: {} no closed surface of one body",
                     fmt::join(others, ", "), others.size() == 1 ? "its picture is" : "their pictures are"));
   return out;

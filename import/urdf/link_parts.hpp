@@ -3,15 +3,19 @@
 
 #include <vector>
 
+#include "import/model/findings.hpp"
 #include "import/model/folder.hpp"
 
 namespace flexura::import::urdf {
+
+/// Every edge lies between two triangles that turn alike.
+bool is_closed(const Surface& surface);
 
 /// Vertices that coincide to 1e-5 of the size become one: CAD kernels give every face its own, within their tolerance.
 void weld(Surface& surface);
 
 /// For each body whose surface is closed and in one piece: parts/NAME.stl (binary, m, frame B) and a part file of it, with the
 /// density that gives it the body's mass, from which it can be made flexible.  Adds a note that names the others.
-std::vector<TextFile> link_parts(Mechanism& mechanism);
+std::vector<TextFile> link_parts(const Mechanism& mechanism, Findings& findings);
 
 }  // namespace flexura::import::urdf

@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -125,36 +127,57 @@ Surface read_surface(const fs::path& file) {
   return builder.surface;
 }
 
-fs::path find_mesh(const std::string& uri, const fs::path& urdf, const std::vector<std::string>& packages) {
+namespace {
+
+// "NAME/PATH" of a package's or model's file, of any spelling that exporters have.
+std::optional<std::string> in_package(const std::string& uri) {
+  for (const std::string_view scheme : {"package://", "model://"})
+    if (uri.starts_with(scheme)) return uri.substr(scheme.size());
+  const auto find = uri.find("$(find "), end = uri.find(')');
+  if (find == std::string::npos || end == std::string::npos || end < find) return {};
+  return uri.substr(find + 7, end - find - 7) + uri.substr(end + 1);
+}
+
+}  // namespace
+
+fs::path find_mesh(const std::string& written, const fs::path& urdf,
+                   const std::vector<std::string>& packages) {
+  std::string uri = written;
+  std::ranges::replace(uri, '\\', '/');
   const fs::path folder = fs::absolute(urdf).parent_path();
   std::error_code failure;
   const auto found = [&](const fs::path& file) {
     if (!fs::is_regular_file(file, failure))
-      throw std::invalid_argument(fmt::format("mesh \"{}\" is not there ({})", shown(uri), file.string()));
+      throw std::invalid_argument(
+          fmt::format("mesh \"{}\" is not there ({} is missing)", shown(uri), shown(file.string())));
     return file;
   };
-  if (uri.starts_with("file://")) return found(uri.substr(7));
-  constexpr std::string_view scheme = "package://";
-  if (!uri.starts_with(scheme)) {
+  const auto rest = in_package(uri);
+  if (!rest) {
+    if (uri.starts_with("file://")) return found(uri.substr(7));
     if (uri.find("://") != std::string::npos)
       throw std::invalid_argument(
           fmt::format("mesh \"{}\" is not a file; package://, file:// and paths are", shown(uri)));
     return found(folder / uri);
   }
-  const std::string rest = uri.substr(scheme.size());
-  const auto slash = rest.find('/');
-  const std::string package = rest.substr(0, slash),
-                    path = slash == std::string::npos ? "" : rest.substr(slash + 1);
+  const auto slash = rest->find('/');
+  const std::string package = rest->substr(0, slash),
+                    path = slash == std::string::npos ? "" : rest->substr(slash + 1);
   for (const std::string& given : packages)
     if (given.starts_with(package + "=")) return found(fs::path(given.substr(package.size() + 1)) / path);
+  // The package beside the file or above it; else the file alone, where the package has another name here.
+  fs::path missing, neighbour;
   for (fs::path at = folder;; at = at.parent_path()) {
-    if (at.filename() == package && fs::is_regular_file(at / path, failure)) return at / path;
-    if (fs::is_regular_file(at / package / path, failure)) return at / package / path;
+    for (const fs::path& base : {at.filename() == package ? at : fs::path(), at / package}) {
+      if (base.empty()) continue;
+      if (fs::is_regular_file(base / path, failure)) return base / path;
+      if (missing.empty() && fs::is_directory(base, failure)) missing = base / path;
+    }
+    if (neighbour.empty() && fs::is_regular_file(at / path, failure)) neighbour = at / path;
     if (at == at.parent_path()) break;
   }
-  throw std::invalid_argument(fmt::format(
-      "mesh \"{}\" is not there: no folder \"{}\" at or above {}; name it with --package {}=FOLDER",
-      shown(uri), shown(package), folder.string(), shown(package)));
+  if (!neighbour.empty() && missing.empty()) return neighbour;
+  return found(missing.empty() ? folder / package / path : missing);
 }
 
 }  // namespace flexura::import::urdf

@@ -13,8 +13,9 @@ namespace flexura::import::urdf {
 /// Throws std::invalid_argument, one sentence.
 Surface read_surface(const std::filesystem::path& file);
 
-/// Where a URDF's "package://NAME/PATH", "file:///PATH" or path lies.  Packages: those named ("NAME=FOLDER"), else the nearest
-/// folder NAME among those above the URDF or beside them.  Throws std::invalid_argument where there is no such file.
+/// Where a URDF's "package://NAME/PATH", "model://...", "$(find NAME)/PATH", "file:///PATH" or path lies.  Packages: those named
+/// ("NAME=FOLDER"), else the nearest folder NAME among those above the URDF or beside them, else PATH in one of these folders.
+/// Throws std::invalid_argument with the missing file.
 std::filesystem::path find_mesh(const std::string& uri, const std::filesystem::path& urdf,
                                 const std::vector<std::string>& packages);
 

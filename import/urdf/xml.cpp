@@ -3,13 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
-
-#include "mbs/base/files/inputs.hpp"
 
 namespace flexura::import::urdf {
 namespace {
@@ -22,20 +19,28 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kSpaces) - first + 1);
 }
 
-// A macro anywhere means that the file is a template still.
-void refuse_xacro(const std::filesystem::path& file, const tinyxml2::XMLElement& xml) {
-  for (const tinyxml2::XMLElement* e = &xml; e != nullptr; e = e->NextSiblingElement()) {
-    bool macro = std::string_view(e->Name()).starts_with("xacro:");
-    for (const tinyxml2::XMLAttribute* a = e->FirstAttribute(); a != nullptr; a = a->Next())
-      macro = macro || std::string_view(a->Value()).find("${") != std::string_view::npos ||
-              std::string_view(a->Value()).find("$(") != std::string_view::npos;
-    if (macro)
-      Element(file, *e).refuse(
-          fmt::format("<{}> holds a xacro macro that has not been expanded; make the URDF of it first: xacro "
-                      "robot.xacro > robot.urdf",
-                      shown(e->Name())));
-    if (e->FirstChildElement() != nullptr) refuse_xacro(file, *e->FirstChildElement());
+bool holds_macro(const tinyxml2::XMLElement& e) {
+  for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a != nullptr; a = a->Next())
+    if (const std::string_view value = a->Value();
+        value.find("${") != std::string_view::npos || value.find("$(") != std::string_view::npos)
+      return true;
+  return false;
+}
+
+// `counts`: what stands here is part of a link or joint.
+const tinyxml2::XMLElement* template_in(const tinyxml2::XMLElement& xml, bool counts) {
+  constexpr std::string_view words[] = {"macro",  "include",      "property",  "arg",    "if",
+                                        "unless", "insert_block", "attribute", "element"};
+  for (const tinyxml2::XMLElement* e = xml.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
+    const std::string_view name = e->Name();
+    if (name.starts_with("xacro:") && std::ranges::find(words, name.substr(6)) != std::end(words)) return e;
+    const bool inside = counts || name == "link" || name == "joint";
+    if (inside && (name.starts_with("xacro:") || (holds_macro(*e) && name != "mesh" && name != "texture")))
+      return e;
+    if (name == "gazebo" || name == "transmission" || name.starts_with("xacro:")) continue;
+    if (const auto* found = template_in(*e, inside)) return found;
   }
+  return nullptr;
 }
 
 }  // namespace
@@ -46,6 +51,7 @@ std::optional<double> parse_number(std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   constexpr double most = 1e40;  // as of every input file
+  if (error == std::errc::result_out_of_range && text.find("e-") != std::string_view::npos) return 0.0;
   if (error != std::errc() || end != text.data() + text.size() || !(std::abs(value) <= most)) return {};
   return value;
 }
@@ -53,17 +59,27 @@ std::optional<double> parse_number(std::string_view text) {
 std::optional<Element> Element::child(const char* tag) const {
   const tinyxml2::XMLElement* found = xml_->FirstChildElement(tag);
   if (found == nullptr) return {};
-  if (const tinyxml2::XMLElement* second = found->NextSiblingElement(tag))
-    Element(*file_, *second).refuse(fmt::format("a second <{}> in <{}>; take one away", tag, xml_->Name()));
-  return Element(*file_, *found);
+  const Element first(*findings_, *found);
+  if (const tinyxml2::XMLElement* second = found->NextSiblingElement(tag);
+      second != nullptr && Element(*findings_, *second).whole() != first.whole())
+    findings_->repair("elements given twice",
+                      fmt::format("a second <{}> in <{}>: the first, of line {}, is taken; take one away",
+                                  tag, xml_->Name(), first.line()),
+                      second->GetLineNum());
+  return first;
 }
 
 std::vector<Element> Element::children(const char* tag) const {
   std::vector<Element> list;
   for (const tinyxml2::XMLElement* e = xml_->FirstChildElement(tag); e != nullptr;
        e = e->NextSiblingElement(tag))
-    list.emplace_back(*file_, *e);
+    list.emplace_back(*findings_, *e);
   return list;
+}
+
+bool Element::has(const char* attribute) const {
+  const char* const value = xml_->Attribute(attribute);
+  return value != nullptr && !trimmed(value).empty();
 }
 
 std::vector<Element> Element::children() const {
@@ -77,8 +93,9 @@ std::string Element::text() const {
 std::string Element::text(const char* attribute) const {
   const char* const value = xml_->Attribute(attribute);
   if (value == nullptr) refuse(fmt::format("<{}> has no {}; give it", shown(tag()), attribute));
-  if (trimmed(value).empty()) refuse(fmt::format("{} of <{}> is empty; give it", attribute, shown(tag())));
-  return value;
+  const std::string_view text = trimmed(value);
+  if (text.empty()) refuse(fmt::format("{} of <{}> is empty; give it", attribute, shown(tag())));
+  return std::string(text);
 }
 
 double Element::read_number(const char* attribute, const std::string& text) const {
@@ -101,10 +118,13 @@ Eigen::Vector3d Element::vector(const char* attribute, const Eigen::Vector3d& ot
   if (!has(attribute)) return otherwise;
   const std::string all = text(attribute);
   std::vector<double> values;
-  for (std::string_view rest = trimmed(all); !rest.empty();) {
-    const auto end = rest.find_first_of(kSpaces);
-    values.push_back(read_number(attribute, std::string(rest.substr(0, end))));
-    rest = end == std::string_view::npos ? std::string_view() : trimmed(rest.substr(end));
+  // Commas stand between all of them or between none: "0,5 1" may be two numbers of another country.
+  const bool commas = std::ranges::count(all, ',') == 2;
+  const auto part = [&](char c) { return (commas && c == ',') || kSpaces.find(c) != std::string_view::npos; };
+  for (auto at = all.begin(); at != all.end();) {
+    const auto end = std::find_if(at, all.end(), part);
+    if (at != end) values.push_back(read_number(attribute, std::string(at, end)));
+    at = std::find_if_not(end, all.end(), part);
   }
   if (values.size() != 3)
     refuse(fmt::format("{} of <{}> has {} numbers, 3 are wanted", attribute, shown(tag()), values.size()));
@@ -115,6 +135,11 @@ Pose Element::origin() const {
   const auto element = child("origin");
   if (!element) return {};
   const Eigen::Vector3d rpy = element->vector("rpy", Eigen::Vector3d::Zero());
+  if (constexpr double turn = 6.2832; rpy.cwiseAbs().maxCoeff() > turn)
+    findings_->note("angles of more than a turn",
+                    fmt::format("rpy of <origin> is {} {} {}: taken as radians, as a URDF has them", rpy.x(),
+                                rpy.y(), rpy.z()),
+                    element->line());
   const double cr = std::cos(rpy.x()), sr = std::sin(rpy.x()), cp = std::cos(rpy.y()), sp = std::sin(rpy.y()),
                cy = std::cos(rpy.z()), sy = std::sin(rpy.z());
   Pose X;
@@ -125,15 +150,23 @@ Pose Element::origin() const {
   return X;
 }
 
-void Element::refuse(const std::string& what) const {
-  throw std::invalid_argument(fmt::format("{}:{}: {}", file_->string(), line(), what));
+std::string Element::whole() const {
+  tinyxml2::XMLPrinter printer(nullptr, true);
+  xml_->Accept(&printer);
+  return printer.CStr();
 }
 
-Element open_robot(const std::filesystem::path& file, tinyxml2::XMLDocument& document) {
-  files::note_input(file);
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw std::invalid_argument(file.string() + ": cannot be read; check the name");
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+void Element::refuse(const std::string& what) const {
+  throw std::invalid_argument(fmt::format("{}:{}: {}", findings_->file().string(), line(), what));
+}
+
+std::optional<Element> find_template(const Element& robot) {
+  if (const auto* found = template_in(*robot.xml_, false)) return Element(*robot.findings_, *found);
+  return {};
+}
+
+Element open_robot(const std::string& text, Findings& findings, tinyxml2::XMLDocument& document) {
+  const std::filesystem::path& file = findings.file();
   if (text.find('\0') != std::string::npos)
     throw std::invalid_argument(file.string() + ": is no URDF: it holds zero bytes, XML text is wanted");
   // Attributes are compared with all before them while they are read.
@@ -156,8 +189,7 @@ Element open_robot(const std::filesystem::path& file, tinyxml2::XMLDocument& doc
     throw std::invalid_argument(
         fmt::format("{}:{}: is no URDF: its outermost element is <{}>, <robot> is wanted", file.string(),
                     root == nullptr ? 1 : root->GetLineNum(), root == nullptr ? "" : shown(root->Name())));
-  refuse_xacro(file, *root);
-  return {file, *root};
+  return {findings, *root};
 }
 
 }  // namespace flexura::import::urdf

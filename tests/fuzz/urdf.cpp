@@ -6,7 +6,10 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace flexura;
   return fuzz::judged([&] {
-    const auto file = fuzz::file_of("r.urdf", fuzz::text_of(data, size));
-    import::mechanism_text(import::urdf::to_mechanism(import::urdf::read_robot(file), {}));
+    import::Findings findings("r.urdf");
+    auto robot = import::urdf::read_robot(fuzz::text_of(data, size), findings);
+    auto mechanism = import::urdf::to_mechanism(std::move(robot), {}, findings);
+    import::tell(findings, mechanism);
+    import::mechanism_text(mechanism);
   });
 }

@@ -31,6 +31,22 @@ inline results::Run run_robot(const Folder& folder, const std::string& urdf, std
   return results::read(folder / "robot.h5").runs.at(0);
 }
 
+// Pieces of a URDF.
+inline const std::string kMass =
+    R"(<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>)";
+inline std::string link(const std::string& name, const std::string& content = kMass) {
+  return "<link name=\"" + name + "\">" + content + "</link>\n";
+}
+inline std::string joint(const std::string& name, const std::string& type, const std::string& parent,
+                         const std::string& child, const std::string& content = "") {
+  return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent +
+         "\"/><child link=\"" + child + "\"/>" + content + "</joint>\n";
+}
+inline std::string robot(const std::string& content) {
+  return "<robot name=\"r\">\n" + content + "</robot>\n";
+}
+inline const std::string kTwo = link("a") + link("b");
+
 inline Eigen::VectorXd column(const results::Run& run, const std::string& name) {
   for (std::size_t i = 0; i < run.quantities.size(); ++i)
     if (run.quantities[i].name == name) return run.values.col(static_cast<Eigen::Index>(i));

@@ -7,8 +7,8 @@
 
 #include <Eigen/Geometry>
 #include <kdl/chainidsolver_recursive_newton_euler.hpp>
-#include <kdl/tree.hpp>
 
+#include "tests/import/kdl_tree.hpp"
 #include "tests/import/robot_run.hpp"
 
 namespace flexura::test {
@@ -89,34 +89,16 @@ TEST_F(ArmInPrescribedMotion, LinksStandWhereTheProductOfTransformsPutsThem) {
   }
 }
 
-KDL::Frame to_kdl(const urdf::Pose& p) {
-  return {KDL::Rotation::Quaternion(p.rotation.x, p.rotation.y, p.rotation.z, p.rotation.w),
-          KDL::Vector(p.position.x, p.position.y, p.position.z)};
-}
-
 // Drive forces solve a system with the mass matrix, whose condition is below 1e6 here (from 13 kg m^2 to 4e-4):
 // 1e-10 of the largest torque; 1e-9 is asked.  The motor also moves the damper, d q'.
 TEST_F(ArmInPrescribedMotion, DrivesTakeTheTorquesOfKdl) {
   KDL::Chain chain;
   std::vector<double> damping;
   for (const auto& joint : joints()) {
-    const KDL::Frame F = to_kdl(joint->parent_to_joint_origin_transform);
-    const KDL::Vector axis = F.M * KDL::Vector(joint->axis.x, joint->axis.y, joint->axis.z);
-    KDL::Joint kdl_joint(joint->name, KDL::Joint::Fixed);
-    if (joint->type == urdf::Joint::PRISMATIC)
-      kdl_joint = KDL::Joint(joint->name, F.p, axis, KDL::Joint::TransAxis);
-    if (joint->type == urdf::Joint::REVOLUTE || joint->type == urdf::Joint::CONTINUOUS)
-      kdl_joint = KDL::Joint(joint->name, F.p, axis, KDL::Joint::RotAxis);
-    KDL::RigidBodyInertia inertia;
-    if (const auto& i = model_->getLink(joint->child_link_name)->inertial) {
-      // Its constructor takes the inertia about the centre of mass, in the axes of the link.
-      const KDL::Frame X = to_kdl(i->origin);
-      const KDL::RigidBodyInertia turned =
-          X.M * KDL::RigidBodyInertia(i->mass, KDL::Vector::Zero(),
-                                      KDL::RotationalInertia(i->ixx, i->iyy, i->izz, i->ixy, i->ixz, i->iyz));
-      inertia = KDL::RigidBodyInertia(i->mass, X.p, turned.getRotationalInertia());
-    }
-    chain.addSegment(KDL::Segment(joint->child_link_name, kdl_joint, F, inertia));
+    const auto& inertial = model_->getLink(joint->child_link_name)->inertial;
+    chain.addSegment(KDL::Segment(joint->child_link_name, to_kdl(*joint),
+                                  to_kdl(joint->parent_to_joint_origin_transform),
+                                  inertial ? to_kdl(*inertial) : KDL::RigidBodyInertia::Zero()));
     damping.push_back(joint->dynamics ? joint->dynamics->damping : 0.0);
   }
   ASSERT_EQ(chain.getNrOfJoints(), static_cast<unsigned>(kJoints));

@@ -111,7 +111,6 @@ const EXEMPT = [
   ['mesh/partition/', 'METIS on a mesh that is one piece'],
   ['mesh/gmsh/worker', 'the child\'s words, before which ask.cpp puts the file and behind which what to do'],
   ['mesh/gmsh/sheet.cpp', 'why a recipe for a sheet failed: the message that follows names the file and what to do'],
-  ['import/urdf/convert.cpp', 'what a joint does, in the sentence of require_inertia'],
   ['mesh/gmsh/child.cpp', 'a system without pipes or descriptors'],
 ];
 const OPEN = 0;  // texts of no kind that are allowed: never raised
