@@ -158,15 +158,15 @@ class TendonWriter {
     std::string force;
     if (k != 0.0) {
       std::vector<double> rest = xml::numbers(e, "springlength", findings_);
-      if (rest.empty() || (rest.size() == 1 && rest[0] < 0.0) || (rest.size() == 2 && rest[0] < 0.0))
-        rest = {rest_length_};
+      // -1, and no other negative length, stands for that at the joints' own rest.
+      if (rest.empty() || std::ranges::all_of(rest, [](double x) { return x == -1.0; })) rest = {rest_length_};
       if (rest.size() == 2 && rest[0] != rest[1])  // slack between the two
         force = fmt::format("-{} * (max(0.0, {} - {}) + min(0.0, {} - {}))", toml(k), tendon.length,
                             toml(rest[1]), tendon.length, toml(rest[0]));
       else
         force = fmt::format("-{} * ({} - {})", toml(k), tendon.length, toml(rest[0]));
     }
-    if (d != 0.0) force += fmt::format("{}-{} * {}", force.empty() ? "" : " ", toml(d), tendon.rate);
+    if (d != 0.0) force += fmt::format("{}-{} * {}", force.empty() ? "" : " + ", toml(d), tendon.rate);
     if (!force.empty()) add_tendon_force(tendon, name + "_spring", force, writer_);
     if (const double f = model.option.friction ? first("frictionloss") : 0.0; f > 0.0)
       add_tendon_force(tendon, name + "_friction",
