@@ -1,6 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 
-// flexura-import: turns a robot (URDF) or a CAD assembly (STEP) into a folder with a mechanism that runs.  `flexura import`
+// flexura-import: turns a robot (URDF, MJCF, SDF) or a CAD assembly (STEP) into a folder with a mechanism that runs.  `flexura import`
 // hands over to it.
 #include <fmt/format.h>
 

@@ -83,11 +83,7 @@ Mechanism to_mechanism(const std::filesystem::path& file, const Choices& choices
   tree.gravity = model->option.gravity;
   tree.comments = {"imported by flexura import from " + shown(file.filename().string()),
                    "Bodies have the frames of the file's; coordinates of joints are MuJoCo's qpos."};
-  if (tree.links.empty() && !tree.ground.empty() && model->missing_include.empty()) {
-    tree.links.push_back({.name = "scene", .comments = {"the file has no <body>: nothing moves"}});
-    tree.joints.push_back({.name = "scene_fixed"});
-    findings.note("models in which nothing moves", "the file has no <body>: nothing moves");
-  }
+  findings.require_no_fault();
   if (tree.links.empty())
     findings.fault(fmt::format("has no <body>: there is nothing that could move{}",
                                model->missing_include.empty() ? ""

@@ -38,6 +38,7 @@ class Bodies {
     scene_.bodies["world"] = -1;
     for (const Node* world : model.sections("worldbody"))
       read_children(*world, {scene_.scopes.front(), -1, {}, world->get("childclass")}, nullptr);
+    if (scene_.tree.links.empty() && model.missing_include.empty()) add_still_body(model);
     scale_masses(model.compiler);
     for (const auto& [why, places] : open_) {
       std::string list;
@@ -51,6 +52,23 @@ class Bodies {
   }
 
  private:
+  // A mechanism has a body at least: of a scene in which nothing moves one that stands.
+  void add_still_body(const Model& model) {
+    bool any = !scene_.passed_over.empty();
+    for (const Node* world : model.sections("worldbody"))
+      for (const Node& e : world->children)
+        any = any || e.tag == "geom" || e.tag == "site" || e.tag == "frame" || e.tag == "light";
+    for (const Node* world : model.sections("worldbody"))
+      for (const Node& e : world->children)
+        if (e.tag == "flexcomp" || e.tag == "composite" || e.tag == "attach") any = false;
+    if (!any) return;
+    std::vector<BodyJoint> joints;
+    Node scene;
+    add_links(scene, "scene", -1, {}, joints);
+    scene_.tree.links.back().comments = {"the file has no <body>: nothing moves"};
+    findings_.note("models in which nothing moves", "the file has no <body>: nothing moves");
+  }
+
   // What the geoms of a body add up to.
   struct Weight {
     tree::Inertial sum;

@@ -159,7 +159,8 @@ class TendonWriter {
     if (k != 0.0) {
       std::vector<double> rest = xml::numbers(e, "springlength", findings_);
       // -1, and no other negative length, stands for that at the joints' own rest.
-      if (rest.empty() || std::ranges::all_of(rest, [](double x) { return x == -1.0; })) rest = {rest_length_};
+      if (rest.empty() || std::ranges::all_of(rest, [](double x) { return x == -1.0; }))
+        rest = {rest_length_};
       if (rest.size() == 2 && rest[0] != rest[1])  // slack between the two
         force = fmt::format("-{} * (max(0.0, {} - {}) + min(0.0, {} - {}))", toml(k), tendon.length,
                             toml(rest[1]), tendon.length, toml(rest[0]));

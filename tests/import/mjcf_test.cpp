@@ -178,10 +178,10 @@ TEST_F(Mjcf, NamesJointsThatMoveNothing) {
 }
 
 TEST_F(Mjcf, SaysWhatItLeavesOut) {
-  const std::string told =
-      notes(read("<include file='lost.xml'/><worldbody><camera/><body><joint name='j'/><geom size='.1' pos='1 0 "
-                 "0'/><inertial pos='0 0 0' mass='1' diaginertia='1 1 5'/></body></worldbody>"
-                 "<actuator><muscle joint='j'/></actuator>"));
+  const std::string told = notes(
+      read("<include file='lost.xml'/><worldbody><camera/><body><joint name='j'/><geom size='.1' pos='1 0 "
+           "0'/><inertial pos='0 0 0' mass='1' diaginertia='1 1 5'/></body></worldbody>"
+           "<actuator><muscle joint='j'/></actuator>"));
   for (const char* what : {"\"lost.xml\" that it includes is not there", "contact of 1 geoms", "1 camera",
                            "are those of no body; taken are"})
     EXPECT_THAT(told, HasSubstr(what));
