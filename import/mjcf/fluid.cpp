@@ -41,11 +41,8 @@ class FluidWriter {
     still_ = writer_.marker(-1, "fluid", {});
   }
 
-  void add(int link, const tree::Inertial& inertial) {
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(inertial.inertia);
-    const Vector3d I = solver.eigenvalues();
-    Matrix3d R = solver.eigenvectors();
-    if (R.determinant() < 0.0) R.col(0) *= -1.0;
+  void add(int link, const tree::Inertial& inertial, const Matrix3d& R) {
+    const Vector3d I = (R.transpose() * inertial.inertia * R).diagonal();
     for (int k = 0; k < 3; ++k)
       b_[k] = std::sqrt(std::max(1e-15, I.sum() - 2.0 * I[k]) / inertial.mass * 6.0);
     name_ = writer_.body(link) + "_fluid";
@@ -120,6 +117,17 @@ class FluidWriter {
   std::string still_, name_, marker_;
 };
 
+// Where the file gives none, the principal ones.
+Matrix3d axes_of(const Scene& scene, int link) {
+  if (const auto known = scene.inertia_axes.find(link); known != scene.inertia_axes.end())
+    return known->second;
+  Matrix3d R = Eigen::SelfAdjointEigenSolver<Matrix3d>(
+                   scene.tree.links[static_cast<std::size_t>(link)].inertial.inertia)
+                   .eigenvectors();
+  if (R.determinant() < 0.0) R.col(0) *= -1.0;
+  return R;
+}
+
 }  // namespace
 
 void add_fluid(const Scene& scene, tree::Writer& writer, Findings& findings) {
@@ -137,7 +145,7 @@ void add_fluid(const Scene& scene, tree::Writer& writer, Findings& findings) {
                                 "the mechanism file has no element for: they are left out",
                                 shown(tree.links[link].name)));
     else
-      fluid.add(joint.child, inertial);
+      fluid.add(joint.child, inertial, axes_of(scene, joint.child));
   }
 }
 

@@ -72,6 +72,7 @@ class Bodies {
   // What the geoms of a body add up to.
   struct Weight {
     tree::Inertial sum;
+    std::vector<Matrix3d> axes;                             ///< of geoms with mass
     std::vector<std::pair<std::string, std::string>> open;  ///< (why, place)
   };
 
@@ -293,6 +294,7 @@ class Bodies {
     const Compiler& rules = compiler(spot);
     if (weight != nullptr && group >= rules.first_group && group <= rules.last_group) {
       weight->sum = tree::together(weight->sum, read.inertial.in(spot.X_LF));
+      if (read.inertial.mass > 0.0 && read.solid) weight->axes.push_back(spot.X_LF.R * read.solid->X_LS.R);
       if (!read.open.empty()) weight->open.emplace_back(read.open, std::to_string(geom.line));
     }
     if (!read.solid) return;
@@ -322,8 +324,13 @@ class Bodies {
     tree::Inertial inertial;
     const bool from_geoms = rules.from_geoms == Compiler::FromGeoms::always ||
                             (rules.from_geoms == Compiler::FromGeoms::when_missing && given == nullptr);
-    if (!from_geoms && given != nullptr) inertial = read_inertial(*given, rules, findings_).in(own.X_LF);
+    if (!from_geoms && given != nullptr) {
+      inertial = read_inertial(*given, rules, findings_).in(own.X_LF);
+      if (!given->has("fullinertia"))
+        scene_.inertia_axes[static_cast<int>(link)] = own.X_LF.R * pose_of(*given, rules, findings_).R;
+    }
     if (from_geoms) {
+      if (weight.axes.size() == 1) scene_.inertia_axes[static_cast<int>(link)] = weight.axes.front();
       inertial = weight.sum;
       for (const auto& [why, place] : weight.open) {
         if (moves)

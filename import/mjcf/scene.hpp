@@ -43,9 +43,11 @@ struct Scene {
   std::map<int, JointInfo> joint_infos;
   std::vector<double> gravity_compensation;  ///< of each link
   std::vector<bool> moves;                   ///< links that a joint can move
-  std::set<int> ellipsoid_fluid;             ///< links with geoms of fluidshape "ellipsoid"
-  std::vector<Scope> scopes;                 ///< the file's own first
-  std::map<std::string, int> passed_over;    ///< tags and how often
+  /// Of links, the axes in which the file gives the inertia: where two moments are equal the principal ones are not unique.
+  std::map<int, Matrix3d> inertia_axes;
+  std::set<int> ellipsoid_fluid;           ///< links with geoms of fluidshape "ellipsoid"
+  std::vector<Scope> scopes;               ///< the file's own first
+  std::map<std::string, int> passed_over;  ///< tags and how often
 };
 
 /// Reads the worldbody of the model and of those attached.
