@@ -8,6 +8,7 @@
 #include <numbers>
 #include <set>
 
+#include "import/urdf/contacts.hpp"
 #include "import/urdf/draw.hpp"
 #include "import/urdf/massless.hpp"
 #include "import/urdf/start.hpp"
@@ -31,6 +32,7 @@ class Converter {
     q_ = start_coordinates(robot_);
     lock_joints();
     treat_massless(robot_, q_, choices_, drawer_, findings_);
+    lock_joints();  // what mimics one that is fixed now
     findings_.require_no_fault();
     start_ = start_mass(robot_, q_);
     result_.name = robot_.name;
@@ -46,6 +48,7 @@ class Converter {
     for (const int j : robot_.order) add_joint(static_cast<std::size_t>(j));
     for (const int j : robot_.order) add_forces(static_cast<std::size_t>(j));
     add_actuators();
+    if (choices_.contacts) add_floor(robot_, q_, result_, names_, findings_);
     choose_method();
     return std::move(result_);
   }
@@ -83,11 +86,7 @@ class Converter {
                                   "give its limits, or let it move by --no-stops",
                                   shown(joint.name), joint.limit->lower),
             joint.line);
-        joint.X_PJ = joint.X_PJ * motion_of(joint, q_[j]);
-        joint.kind = JointKind::fixed;
-        joint.mimic.reset();
-        joint.limit.reset();
-        q_[j] = 0.0;
+        fix(joint, q_[j]);
         again = true;
       }
     }

@@ -88,6 +88,14 @@ Pose motion_of(const Joint& joint, double q) {
   return motion;
 }
 
+void fix(Joint& joint, double& q) {
+  joint.X_PJ = joint.X_PJ * motion_of(joint, q);
+  joint.kind = JointKind::fixed;
+  joint.mimic.reset();
+  joint.limit.reset();
+  q = 0.0;
+}
+
 std::vector<Pose> link_poses(const Robot& robot, const std::vector<double>& q) {
   std::vector<Pose> X_WL(robot.links.size());
   for (const int j : robot.order) {
