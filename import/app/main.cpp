@@ -254,7 +254,11 @@ std::function<int()> declare(terminal::Options& options, const terminal::Verbosi
     } catch (const import::Faults& faults) {
       if (faults.all().empty()) throw;
       terminal::say(stderr, fmt::format("error: {}", faults.what()));
-      for (const std::string& fault : faults.all()) terminal::say(stderr, "  " + input::shown_message(fault));
+      constexpr std::size_t most = 200;
+      for (std::size_t i = 0; i < std::min(most, faults.all().size()); ++i)
+        terminal::say(stderr, "  " + input::shown_message(faults.all()[i]));
+      if (faults.all().size() > most)
+        terminal::say(stderr, fmt::format("  ... and {} more", faults.all().size() - most));
       return 2;
     }
   };

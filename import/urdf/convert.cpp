@@ -132,9 +132,9 @@ class Converter {
   void add_joint(std::size_t j) {
     const Joint& joint = robot_.joints[j];
     const std::string& name = joint_names_[j];
-    const char* const types[] = {"revolute", "revolute", "prismatic", "fixed", "free", "planar"};
+    const char* const types[] = {"revolute", "revolute", "prismatic", "fixed", "free", "planar", "spherical"};
     // The coordinate's axis is the markers' z axis.
-    const bool along_axis = joint.kind != JointKind::fixed && joint.kind != JointKind::floating;
+    const bool along_axis = has_one_coordinate(joint) || joint.kind == JointKind::planar;
     const Pose X_JM{along_axis ? mbs::frame_along(joint.axis) : Matrix3d::Identity(), Vector3d::Zero()};
     markers_of(joint.parent).push_back({name, joint.X_PJ * X_JM});
     markers_of(joint.child).push_back({name, X_JM});
@@ -179,6 +179,7 @@ class Converter {
     if (kind == JointKind::planar) return {"drive_x", "drive_y", "drive_angle"};
     if (kind == JointKind::floating)
       return {"drive_x", "drive_y", "drive_z", "drive_rotation_x", "drive_rotation_y", "drive_rotation_z"};
+    if (kind == JointKind::spherical) return {"drive_rotation_x", "drive_rotation_y", "drive_rotation_z"};
     return {"drive"};
   }
 

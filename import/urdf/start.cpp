@@ -52,10 +52,12 @@ std::vector<Vector6d> twists(const Joint& joint, const Pose& X_WJ) {
       const Matrix3d R = mbs::frame_along(axis);
       return {slide(R.col(0)), slide(R.col(1)), turn(axis)};
     }
-    case JointKind::floating: {
+    case JointKind::floating:
+    case JointKind::spherical: {
       std::vector<Vector6d> all;
       for (int k = 0; k < 3; ++k) all.push_back(turn(Vector3d::Unit(k)));
-      for (int k = 0; k < 3; ++k) all.push_back(slide(Vector3d::Unit(k)));
+      if (joint.kind == JointKind::floating)
+        for (int k = 0; k < 3; ++k) all.push_back(slide(Vector3d::Unit(k)));
       return all;
     }
     case JointKind::fixed:
