@@ -8,7 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "import/urdf/start.hpp"
+#include "import/urdf/at_start.hpp"
 
 namespace flexura::import::urdf {
 namespace {

@@ -8,10 +8,10 @@
 #include <numbers>
 #include <set>
 
+#include "import/urdf/at_start.hpp"
 #include "import/urdf/contacts.hpp"
 #include "import/urdf/draw.hpp"
 #include "import/urdf/massless.hpp"
-#include "import/urdf/start.hpp"
 #include "mbs/base/math/rotation.hpp"
 
 namespace flexura::import::urdf {

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "import/urdf/start.hpp"
+#include "import/urdf/at_start.hpp"
 
 namespace flexura::import::urdf {
 namespace {

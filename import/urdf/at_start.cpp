@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "import/urdf/start.hpp"
+#include "import/urdf/at_start.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
