@@ -29,7 +29,7 @@ struct Arguments {
   std::string input, output, base, joints, ground, density, clearance, time_limit, massless, controllers,
       xacro;
   std::vector<std::string> packages;
-  bool force = false, no_stops = false, strict = false;
+  bool force = false, no_stops = false, strict = false, contacts = false;
 };
 
 // Names that are others here than in the file.
@@ -74,6 +74,7 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_robot) {
     refuse(!a.base.empty(), "--base", "robots");
     refuse(a.no_stops, "--no-stops", "robots");
     refuse(a.strict, "--strict", "robots");
+    refuse(a.contacts, "--contacts", "robots");
     refuse(!a.massless.empty(), "--massless", "robots");
     refuse(!a.controllers.empty(), "--controllers", "robots");
     refuse(!a.xacro.empty(), "--xacro", "robots");
@@ -126,6 +127,17 @@ void print_proposal(const import::cad::Built& built, const terminal::Verbosity& 
                  : "unknown, not counted for more than 400 bodies that move (flexura check)");
 }
 
+// The mechanism is there and runs: a build without pages is no reason to fail.
+void write_page(const fs::path& file, const std::function<void()>& write, const char* what,
+                const terminal::Verbosity& verbosity) {
+  try {
+    write();
+    if (!verbosity.quiet) fmt::print("page      {}: {}\n", file.string(), what);
+  } catch (const std::runtime_error& why) {
+    terminal::say(stderr, fmt::format("note: no page: {}", why.what()));
+  }
+}
+
 int import_robot(const Arguments& a, const std::filesystem::path& folder,
                  const terminal::Verbosity& verbosity) {
   using import::urdf::Massless;
@@ -134,14 +146,18 @@ int import_robot(const Arguments& a, const std::filesystem::path& folder,
                          {.floating_base = a.base == "floating",
                           .stops = !a.no_stops,
                           .controllers = a.controllers == "pd",
+                          .contacts = a.contacts,
                           .massless = a.massless == "refuse"       ? Massless::refuse
                                       : a.massless == "kinematics" ? Massless::kinematics
                                                                    : Massless::derive,
                           .density = quantity(a.density, "--density", input::dim::density, 1000.0),
                           .packages = a.packages},
                          a.strict, a.xacro == "run");
-  import::write_folder(folder, robot.mechanism, robot.texts, a.force);
+  const fs::path page = folder / "robot.html";
+  import::write_folder(folder, robot.mechanism, robot.texts, a.force, {page});
   report(robot.mechanism, folder, verbosity);
+  write_page(
+      page, [&] { import::write_robot_page(page, robot); }, "what was found", verbosity);
   return 0;
 }
 
@@ -173,18 +189,6 @@ std::vector<import::cad::Overlap> overlaps_of(const std::string& file, const imp
   }
 }
 
-// The mechanism is there and runs: a build without pages is no reason to fail.
-void write_page(const fs::path& file, const import::cad::Assembly& assembly, const import::cad::Built& built,
-                const std::vector<import::cad::Overlap>& overlaps, const terminal::Verbosity& verbosity) {
-  try {
-    view::write_parts_page(file, import::page_of(assembly, built, overlaps));
-    if (!verbosity.quiet)
-      fmt::print("page      {}: the joints, to be looked at and changed\n", file.string());
-  } catch (const std::runtime_error& why) {
-    terminal::say(stderr, fmt::format("note: no page: {}", why.what()));
-  }
-}
-
 int import_assembly(const Arguments& a, const std::filesystem::path& folder,
                     const terminal::Verbosity& verbosity) {
   import::cad::BuildOptions options{
@@ -209,7 +213,9 @@ int import_assembly(const Arguments& a, const std::filesystem::path& folder,
   import::write_folder(folder, built.mechanism, built.texts, a.force, {page});
   if (options.joints) print_proposal(built, verbosity);
   report(built.mechanism, folder, verbosity);
-  write_page(page, assembly, built, overlaps, verbosity);
+  write_page(
+      page, [&] { view::write_parts_page(page, import::page_of(assembly, built, overlaps)); },
+      "the joints, to be looked at and changed", verbosity);
   return 0;
 }
 
@@ -262,6 +268,8 @@ std::function<int()> declare(terminal::Options& options, const terminal::Verbosi
           "--massless", a->massless, {"derive", "kinematics", "refuse"},
           "robots: links that move without inertia get that of their shapes, have their joints driven, or "
           "are refused (default: derive; kinematics where there are no shapes)")
+      .flag("--contacts", a->contacts,
+            "robots: collision shapes of links that move touch the floor, with Gazebo's mu1, kp and kd")
       .choice("--controllers", a->controllers, {"none", "pd"},
               "robots: motors are inputs, or follow a target by a PD law (default: none)")
       .choice("--xacro", a->xacro, {"plain", "run"},
@@ -279,7 +287,11 @@ std::function<int()> declare(terminal::Options& options, const terminal::Verbosi
     } catch (const import::Faults& faults) {
       if (faults.all().empty()) throw;
       terminal::say(stderr, fmt::format("error: {}", faults.what()));
-      for (const std::string& fault : faults.all()) terminal::say(stderr, "  " + input::shown_message(fault));
+      constexpr std::size_t most = 200;
+      for (std::size_t i = 0; i < std::min(most, faults.all().size()); ++i)
+        terminal::say(stderr, "  " + input::shown_message(faults.all()[i]));
+      if (faults.all().size() > most)
+        terminal::say(stderr, fmt::format("  ... and {} more", faults.all().size() - most));
       return 2;
     }
   };

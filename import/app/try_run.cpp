@@ -23,7 +23,7 @@ void require_run(Mechanism& mechanism) {
   }
   const PassingFolder folder;
   write_folder(folder.path() / "m", mechanism, {}, false);
-  constexpr double limit_s = 60.0;
+  constexpr double limit_s = 20.0;
   const study::ChildOutcome run =
       study::run_child({program.string(), "simulate", (folder.path() / "m/mechanism.toml").string(), "-o",
                         (folder.path() / "r.h5").string(), "--no-estimate", "--set", "solver.end_time=0.001",

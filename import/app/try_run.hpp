@@ -6,7 +6,7 @@
 namespace flexura::import {
 
 /// Writes the mechanism into a passing folder and runs its first millisecond with the program "flexura" beside this one.  Throws
-/// std::runtime_error where it does not run; adds a note where it takes more than a minute, or the program is not there.
+/// std::runtime_error where it does not run; adds a note where it takes more than 20 s, or the program is not there.
 void require_run(Mechanism& mechanism);
 
 }  // namespace flexura::import

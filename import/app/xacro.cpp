@@ -34,8 +34,8 @@ fs::path program_in_path(const std::string& name) {
   return {};
 }
 
-[[noreturn]] void refuse(const fs::path& file, const urdf::Place& place, const char* what) {
-  throw std::invalid_argument(fmt::format(
+std::invalid_argument distrust(const fs::path& file, const urdf::Place& place, const char* what) {
+  return std::invalid_argument(fmt::format(
       "{}:{}: \"{}\" {}, and what xacro evaluates is Python: look at it, then import with --xacro run "
       "if you trust it, or make the URDF yourself: xacro {} > robot.urdf",
       file.string(), place.line, shown(place.text), what, file.filename().string()));
@@ -50,19 +50,23 @@ void require_arithmetic(const fs::path& file, const std::vector<std::string>& pa
         fmt::format("{}: includes more than {} files; make the URDF of it first", file.string(), most));
   if (!seen.insert(fs::weakly_canonical(file)).second) return;
   const urdf::Template found = urdf::look_through(urdf::read_text(file), file);
-  if (!found.code.empty()) refuse(file, found.code.front(), "is more than arithmetic");
+  if (!found.code.empty()) throw distrust(file, found.code.front(), "is more than arithmetic");
   for (const urdf::Place& include : found.includes) {
     fs::path included;
     try {
       included = urdf::find_mesh(include.text, file, packages);
     } catch (const std::invalid_argument&) {
-      refuse(file, include, "is included and not found here");
+      throw distrust(file, include, "is included and not found here");
     }
     require_arithmetic(included, packages, seen);
   }
 }
 
 }  // namespace
+
+bool has_xacro() {
+  return !program_in_path("xacro").empty();
+}
 
 std::string expand_xacro(const fs::path& file, const std::vector<std::string>& packages, bool trusted) {
   const fs::path program = program_in_path("xacro");

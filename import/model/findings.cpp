@@ -20,7 +20,7 @@ std::string Findings::at(const std::string& text, int line) const {
 }
 
 void Findings::note(const std::string& kind, const std::string& text, int line) {
-  auto found = std::ranges::find(kinds_, kind, &std::pair<std::string, std::vector<std::string>>::first);
+  auto found = std::ranges::find(kinds_, kind, &Kind::first);
   if (found == kinds_.end()) found = kinds_.insert(kinds_.end(), {kind, {}});
   found->second.push_back(line > 0 ? fmt::format("line {}: {}", line, text) : text);
 }

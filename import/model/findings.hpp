@@ -53,6 +53,8 @@ class Findings {
   /// Throws Faults where there are any.
   void require_no_fault() const;
 
+  using Kind = std::pair<std::string, std::vector<std::string>>;
+  const std::vector<Kind>& kinds() const { return kinds_; }  ///< in the order of their first
   /// Sentences for the terminal: of each kind the first ones, and how many more.
   std::vector<std::string> told() const;
   /// All of them, for the file.
@@ -66,7 +68,7 @@ class Findings {
   std::filesystem::path file_;
   bool strict_;
   std::vector<std::string> faults_;
-  std::vector<std::pair<std::string, std::vector<std::string>>> kinds_;  ///< in the order of their first
+  std::vector<Kind> kinds_;
 };
 
 /// The mechanism tells what was found: as sentences for the terminal and as comments at its head, with the table of names that

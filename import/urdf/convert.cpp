@@ -8,9 +8,10 @@
 #include <numbers>
 #include <set>
 
+#include "import/urdf/at_start.hpp"
+#include "import/urdf/contacts.hpp"
 #include "import/urdf/draw.hpp"
 #include "import/urdf/massless.hpp"
-#include "import/urdf/start.hpp"
 #include "mbs/base/math/rotation.hpp"
 
 namespace flexura::import::urdf {
@@ -31,6 +32,7 @@ class Converter {
     q_ = start_coordinates(robot_);
     lock_joints();
     treat_massless(robot_, q_, choices_, drawer_, findings_);
+    lock_joints();  // what mimics one that is fixed now
     findings_.require_no_fault();
     start_ = start_mass(robot_, q_);
     result_.name = robot_.name;
@@ -46,6 +48,7 @@ class Converter {
     for (const int j : robot_.order) add_joint(static_cast<std::size_t>(j));
     for (const int j : robot_.order) add_forces(static_cast<std::size_t>(j));
     add_actuators();
+    if (choices_.contacts) add_floor(robot_, q_, result_, names_, findings_);
     choose_method();
     return std::move(result_);
   }
@@ -83,11 +86,7 @@ class Converter {
                                   "give its limits, or let it move by --no-stops",
                                   shown(joint.name), joint.limit->lower),
             joint.line);
-        joint.X_PJ = joint.X_PJ * motion_of(joint, q_[j]);
-        joint.kind = JointKind::fixed;
-        joint.mimic.reset();
-        joint.limit.reset();
-        q_[j] = 0.0;
+        fix(joint, q_[j]);
         again = true;
       }
     }
@@ -133,9 +132,9 @@ class Converter {
   void add_joint(std::size_t j) {
     const Joint& joint = robot_.joints[j];
     const std::string& name = joint_names_[j];
-    const char* const types[] = {"revolute", "revolute", "prismatic", "fixed", "free", "planar"};
+    const char* const types[] = {"revolute", "revolute", "prismatic", "fixed", "free", "planar", "spherical"};
     // The coordinate's axis is the markers' z axis.
-    const bool along_axis = joint.kind != JointKind::fixed && joint.kind != JointKind::floating;
+    const bool along_axis = has_one_coordinate(joint) || joint.kind == JointKind::planar;
     const Pose X_JM{along_axis ? mbs::frame_along(joint.axis) : Matrix3d::Identity(), Vector3d::Zero()};
     markers_of(joint.parent).push_back({name, joint.X_PJ * X_JM});
     markers_of(joint.child).push_back({name, X_JM});
@@ -180,6 +179,7 @@ class Converter {
     if (kind == JointKind::planar) return {"drive_x", "drive_y", "drive_angle"};
     if (kind == JointKind::floating)
       return {"drive_x", "drive_y", "drive_z", "drive_rotation_x", "drive_rotation_y", "drive_rotation_z"};
+    if (kind == JointKind::spherical) return {"drive_rotation_x", "drive_rotation_y", "drive_rotation_z"};
     return {"drive"};
   }
 

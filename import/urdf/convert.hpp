@@ -23,7 +23,7 @@ struct Choices {
   bool floating_base = false;  ///< the root floats free; otherwise it stands on the ground
   bool stops = true;           ///< limits become bump stops
   bool controllers = false;    ///< every motor follows a target by a PD law
-  bool contacts = false;       ///< collision shapes of links that move touch the floor
+  bool contacts = false;       ///< collision shapes of links that move touch the floor (contacts.hpp)
   Massless massless = Massless::derive;
   double density = 1000.0;                 ///< of shapes that give a link its inertia [kg/m^3]
   std::vector<std::string> packages = {};  ///< "NAME=FOLDER" for package://NAME/...

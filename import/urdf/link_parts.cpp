@@ -12,6 +12,8 @@
 #include <map>
 #include <numeric>
 
+#include "import/model/inertia.hpp"
+
 namespace flexura::import::urdf {
 namespace {
 
@@ -33,15 +35,6 @@ bool is_one_piece(const Surface& surface) {
   return std::ranges::all_of(surface.triangles, [&](const Eigen::Vector3i& t) { return top(t(0)) == first; });
 }
 
-double volume_of(const Surface& surface) {
-  double volume = 0.0;
-  const auto at = [&](int v) {
-    return Vector3d(surface.vertices[static_cast<std::size_t>(v)] - surface.vertices.front());
-  };
-  for (const Eigen::Vector3i& t : surface.triangles) volume += at(t(0)).dot(at(t(1)).cross(at(t(2)))) / 6.0;
-  return volume;
-}
-
 std::string binary_stl(const Surface& surface) {
   std::string out(80, ' ');
   const auto add = [&](const void* data, std::size_t size) {
@@ -58,6 +51,40 @@ std::string binary_stl(const Surface& surface) {
     out.append(2, '\0');
   }
   return out;
+}
+
+struct Material {
+  const char *name, *says;
+  double density, young_gpa, poisson;
+};
+
+// What links are made of; handbook values.
+constexpr Material kMaterials[] = {{"steel", "steel", 7850.0, 210.0, 0.3},
+                                   {"titanium", "titanium", 4430.0, 114.0, 0.34},
+                                   {"aluminium", "aluminium", 2700.0, 70.0, 0.33},
+                                   {"polymer", "a polymer like ABS", 1050.0, 2.3, 0.36}};
+
+// The material whose density is nearest to that of the link, filled: modulus and density are of one.  Where it is the link's but for
+// alloy and picture, 10 %, the part has the link's mass.
+std::string part_text(const Body& body, double volume) {
+  const double density = body.mass / volume;
+  const auto off = [&](const Material& m) { return std::abs(std::log(density / m.density)); };
+  const Material& material = *std::ranges::min_element(kMaterials, {}, off);
+  const bool is_link = off(material) < 0.1;
+  const std::string why = is_link ? std::string("with this density the part has the link's mass")
+                                  : fmt::format(
+                                        "filled, the picture would weigh {:.4g} kg/m^3 with the link's "
+                                        "{:.6g} kg: the link is hollow, "
+                                        "or made of several; the part weighs {:.4g} kg",
+                                        density, body.mass, material.density * volume);
+  return fmt::format(
+      "# link \"{}\", imported by flexura import: for flexura reduce, which makes it flexible\n"
+      "name = {}\n\n[geometry]\nfile = {}\nunit = \"m\"\n\n"
+      "# The file gives no material; {} is the nearest by density: {}\n"
+      "[material.{}]\nyoung = \"{} GPa\"\npoisson = {}\ndensity = {}\n",
+      body.name, toml(body.file()), toml(body.file() + ".stl"), material.says, why, material.name,
+      material.young_gpa, material.poisson,
+      is_link ? fmt::format("{:.9g}", density) : fmt::format("{}", material.density));
 }
 
 }  // namespace
@@ -121,24 +148,14 @@ std::vector<TextFile> link_parts(const Mechanism& mechanism, Findings& findings)
   std::vector<std::string> others;
   for (const Body& body : mechanism.bodies) {
     if (body.surface.empty()) continue;
-    const double volume = std::abs(volume_of(body.surface));
+    const double volume = surface_properties(body.surface).mass;
     if (!is_closed(body.surface) || !is_one_piece(body.surface) || !(volume > 0.0)) {
       others.push_back(body.name);
       continue;
     }
     const std::string stem = "parts/" + body.file();
     out.push_back({stem + ".stl", binary_stl(body.surface)});
-    out.push_back(
-        {stem + ".toml",
-         fmt::format(
-             "# link \"{}\", imported by flexura import: for flexura reduce, which makes it flexible\n"
-             "name = {}\n\n[geometry]\nfile = {}\nunit = \"m\"\n\n"
-             "# Young's modulus and Poisson's ratio are those of steel, the file gives none; with this "
-             "density the "
-             "part has the link's mass\n"
-             "[material.steel]\nyoung = \"210 GPa\"\npoisson = 0.3\ndensity = {}\n",
-             body.name, toml(body.file()), toml(body.file() + ".stl"),
-             fmt::format("{:.9g}", body.mass / volume))});
+    out.push_back({stem + ".toml", part_text(body, volume)});
   }
   if (!others.empty())
     findings.note(

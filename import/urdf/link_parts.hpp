@@ -14,8 +14,8 @@ bool is_closed(const Surface& surface);
 /// Vertices that coincide to 1e-5 of the size become one: CAD kernels give every face its own, within their tolerance.
 void weld(Surface& surface);
 
-/// For each body whose surface is closed and in one piece: parts/NAME.stl (binary, m, frame B) and a part file of it, with the
-/// density that gives it the body's mass, from which it can be made flexible.  Adds a note that names the others.
+/// For each body whose surface is closed and in one piece: parts/NAME.stl (binary, m, frame B) and a part file of it, from
+/// which it can be made flexible, of the material that is nearest by density.  Adds a note that names the others.
 std::vector<TextFile> link_parts(const Mechanism& mechanism, Findings& findings);
 
 }  // namespace flexura::import::urdf

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "import/urdf/start.hpp"
+#include "import/urdf/at_start.hpp"
 
 namespace flexura::import::urdf {
 namespace {
@@ -20,7 +20,7 @@ class Treatment {
     for (const int j : robot.order) below_[static_cast<std::size_t>(joint(j).parent)].push_back(j);
   }
 
-  void run(const std::vector<double>& q) {
+  void run(std::vector<double>& q) {
     for (;;) {
       std::vector<Idle> idle = idle_joints(robot_, q);
       const bool by_mimic = idle.empty();
@@ -31,7 +31,7 @@ class Treatment {
         for (const Idle& one : idle) derived = derive_for(one) || derived;
       if (derived) continue;
       const StartMass start = start_mass(robot_, q);
-      for (const Idle& one : idle) by_mimic ? stand_in(one, start) : settle(one, start);
+      for (const Idle& one : idle) by_mimic ? stand_in(one, start) : settle(one, start, q);
       if (choices_.massless == Massless::refuse) return;
     }
   }
@@ -93,7 +93,7 @@ class Treatment {
     return true;
   }
 
-  void settle(const Idle& idle, const StartMass& start) {
+  void settle(const Idle& idle, const StartMass& start, std::vector<double>& q) {
     Joint& j = joint(idle.joint);
     const std::string what = fmt::format(
         "joint \"{}\" {}", shown(j.name),
@@ -106,6 +106,11 @@ class Treatment {
                       "<inertial>, or make the joint fixed",
                       what),
           j.line);
+    if (!idle.moves_nothing && has_one_coordinate(j)) {
+      findings_.repair("joints that are fixed since they move nothing apart",
+                       fmt::format("{}: it is fixed at its start", what), j.line);
+      return fix(j, q[static_cast<std::size_t>(idle.joint)]);
+    }
     findings_.repair("joints that are driven since they move no inertia",
                      fmt::format("{}: it is driven, and stays at its start until its drive says otherwise "
                                  "(--massless)",
@@ -126,16 +131,17 @@ class Treatment {
               : start.joint_of[i] == idle.joint)
         H = carried;
     }
-    Link& child = robot_.links[static_cast<std::size_t>(j.child)];
-    std::optional<MassProperties>& link = child.inertial;
+    // What moves with the joints before it must differ from what moves with this one: the link between.
+    Link& at = robot_.links[static_cast<std::size_t>(idle.moves_nothing ? j.child : j.parent)];
+    std::optional<MassProperties>& link = at.inertial;
     const double small = kPlaceholder * (H > 0.0 ? H : 1.0);
     const MassProperties stand_in{.mass = small, .inertia = small * Matrix3d::Identity()};
     link = link ? *link + stand_in : stand_in;
     findings_.note("links with an inertia so that the equations can be solved",
                    fmt::format("link \"{}\" gets {:.3g} kg and {:.3g} kg m^2, which move nothing: joint "
                                "\"{}\" has no inertia to move",
-                               shown(child.name), small, small, shown(j.name)),
-                   child.line);
+                               shown(at.name), small, small, shown(j.name)),
+                   at.line);
   }
 
   Robot& robot_;
@@ -148,7 +154,7 @@ class Treatment {
 
 }  // namespace
 
-void treat_massless(Robot& robot, const std::vector<double>& q, const Choices& choices, Drawer& drawer,
+void treat_massless(Robot& robot, std::vector<double>& q, const Choices& choices, Drawer& drawer,
                     Findings& findings) {
   Treatment(robot, choices, drawer, findings).run(q);
 }

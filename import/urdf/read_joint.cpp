@@ -16,14 +16,16 @@ JointKind read_kind(const Element& e, const std::string& name) {
   static const std::map<std::string, JointKind> kinds = {
       {"revolute", JointKind::revolute},   {"continuous", JointKind::continuous},
       {"prismatic", JointKind::prismatic}, {"fixed", JointKind::fixed},
-      {"floating", JointKind::floating},   {"planar", JointKind::planar}};
+      {"floating", JointKind::floating},   {"planar", JointKind::planar},
+      {"spherical", JointKind::spherical}, {"ball", JointKind::spherical}};
   std::string type = e.text("type");
   for (char& c : type) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   const auto kind = kinds.find(type);
   if (kind == kinds.end())
-    e.refuse(fmt::format(
-        "joint \"{}\" is of type \"{}\"; write revolute, continuous, prismatic, fixed, floating or planar",
-        name, shown(e.text("type"))));
+    e.refuse(
+        fmt::format("joint \"{}\" is of type \"{}\"; write revolute, continuous, prismatic, fixed, floating, "
+                    "planar or spherical",
+                    name, shown(e.text("type"))));
   return kind->second;
 }
 
@@ -105,8 +107,7 @@ Joint read_joint(const Element& e, const std::string& name, Findings& findings) 
   joint.line = e.line();
   joint.kind = findings.kept([&] { return read_kind(e, name); }, JointKind::fixed);
   joint.X_PJ = findings.kept([&] { return e.origin(); });
-  const bool has_axis = joint.kind != JointKind::fixed && joint.kind != JointKind::floating;
-  const bool one_way = has_axis && joint.kind != JointKind::planar;
+  const bool one_way = has_one_coordinate(joint), has_axis = one_way || joint.kind == JointKind::planar;
   if (const auto axis = e.child("axis"); axis && has_axis) {
     const Vector3d a =
         findings.kept([&] { return axis->vector("xyz", Vector3d::UnitX()); }, Vector3d::UnitX());

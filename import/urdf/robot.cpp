@@ -218,7 +218,13 @@ class Reader {
     for (const Element& e : root_.children()) {
       const std::string tag = e.tag();
       if (tag == "link" || tag == "joint" || tag == "material" || tag == "transmission") continue;
-      passed_over_.insert("<" + shown(tag) + ">");
+      if (tag == "xacro:include")
+        findings_.repair("included files that are left out",
+                         fmt::format("\"{}\" is left out: xacro would include it, and it may hold links",
+                                     e.has("filename") ? shown(e.text("filename")) : ""),
+                         e.line());
+      else
+        passed_over_.insert("<" + shown(tag) + ">");
       note_if_joins(e);
     }
     for (const std::string& what : passed_over_)

@@ -15,7 +15,8 @@
 /// Format: wiki.ros.org/urdf/XML (link, joint, transmission).
 namespace flexura::import::urdf {
 
-enum class JointKind { revolute, continuous, prismatic, fixed, floating, planar };
+/// Spherical joints ("spherical", "ball") are of Bullet and Drake, the others of the standard.
+enum class JointKind { revolute, continuous, prismatic, fixed, floating, planar, spherical };
 
 struct Shape {
   enum class Kind { box, cylinder, sphere, capsule, mesh } kind = Kind::box;

@@ -51,7 +51,7 @@ void look_below(const tinyxml2::XMLElement& xml, Template& out) {
           std::string_view(a->Value()).find("(") != std::string_view::npos && !is_arithmetic(a->Value()))
         out.code.push_back({e->GetLineNum(), a->Value()});
     }
-    if (std::string_view(e->Name()) == "xacro:include" || std::string_view(e->Name()) == "include")
+    if (std::string_view(e->Name()) == "xacro:include")
       out.includes.push_back(
           {e->GetLineNum(), e->Attribute("filename") == nullptr ? "" : e->Attribute("filename")});
     look_below(*e, out);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 namespace flexura::import::urdf {
@@ -27,18 +28,21 @@ bool holds_macro(const tinyxml2::XMLElement& e) {
   return false;
 }
 
-// `counts`: what stands here is part of a link or joint.
-const tinyxml2::XMLElement* template_in(const tinyxml2::XMLElement& xml, bool counts) {
-  constexpr std::string_view words[] = {"macro",  "include",      "property",  "arg",    "if",
-                                        "unless", "insert_block", "attribute", "element"};
+// Calls of macros that the file defines, conditions, and what stands in links and joints (`inside`).  Definitions that nothing uses
+// change nothing.
+const tinyxml2::XMLElement* template_in(const tinyxml2::XMLElement& xml, bool inside,
+                                        const std::set<std::string>& macros) {
+  constexpr std::string_view words[] = {"if", "unless", "insert_block", "attribute", "element", "call"};
   for (const tinyxml2::XMLElement* e = xml.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
     const std::string_view name = e->Name();
-    if (name.starts_with("xacro:") && std::ranges::find(words, name.substr(6)) != std::end(words)) return e;
-    const bool inside = counts || name == "link" || name == "joint";
-    if (inside && (name.starts_with("xacro:") || (holds_macro(*e) && name != "mesh" && name != "texture")))
+    const bool is_xacro = name.starts_with("xacro:");
+    const std::string word(is_xacro ? name.substr(6) : "");
+    if (is_xacro && (inside || macros.contains(word) || std::ranges::find(words, word) != std::end(words)))
       return e;
-    if (name == "gazebo" || name == "transmission" || name.starts_with("xacro:")) continue;
-    if (const auto* found = template_in(*e, inside)) return found;
+    if (is_xacro || name == "gazebo" || name == "transmission") continue;
+    const bool part = inside || name == "link" || name == "joint";
+    if (part && holds_macro(*e) && name != "mesh" && name != "texture") return e;
+    if (const auto* found = template_in(*e, part, macros)) return found;
   }
   return nullptr;
 }
@@ -161,7 +165,10 @@ void Element::refuse(const std::string& what) const {
 }
 
 std::optional<Element> find_template(const Element& robot) {
-  if (const auto* found = template_in(*robot.xml_, false)) return Element(*robot.findings_, *found);
+  std::set<std::string> macros;
+  for (const Element& macro : robot.children("xacro:macro"))
+    if (macro.has("name")) macros.insert(macro.text("name"));
+  if (const auto* found = template_in(*robot.xml_, false, macros)) return Element(*robot.findings_, *found);
   return {};
 }
 

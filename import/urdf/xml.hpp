@@ -54,8 +54,9 @@ class Element {
 /// std::invalid_argument (not XML, no <robot>).
 Element open_robot(const std::string& text, Findings& findings, tinyxml2::XMLDocument& document);
 
-/// The first element that only xacro understands: a definition, an include, a condition, or a link, joint or shape with "${" or "$(" in
-/// it.  Calls of macros that nothing in the file defines are what an expansion left behind and do not count.
+/// The first element that only xacro understands: a call of a macro that the file defines, a condition, or a link, joint or shape with
+/// "${" or "$(" in it.  Calls of macros that nothing in the file defines are what an expansion left behind and do not count, nor do
+/// definitions by themselves.
 std::optional<Element> find_template(const Element& robot);
 
 /// A number of C's syntax in the "C" locale, at most 1e40 in size; nothing where the text is anything else.

@@ -85,5 +85,23 @@ TEST(UrdfMassless, TheOthersMoveAsTheyWould) {
   EXPECT_NEAR(column(run, "j.acceleration")[0], 2.0 * 9.81 * 0.5 / (0.02 + 2.0 * 0.25), 1e-7);
 }
 
+// Two hinges in line and nothing between them: one of them stands, and the body is one pendulum.
+TEST(UrdfMassless, OfTwoJointsInLineOneIsFixed) {
+  const Folder folder;
+  const std::string arm =
+      R"(<inertial><origin xyz="0.5 0 0"/><mass value="2"/><inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>)";
+  const std::string joints = joint("j", "continuous", "a", "b", "<axis xyz=\"0 1 0\"/>") +
+                             joint("k", "continuous", "b", "c", "<axis xyz=\"0 1 0\"/>");
+  const auto file = folder.write("r.urdf", robot(link("a") + link("b", "") + link("c", arm) + joints));
+  const results::Run run =
+      run_robot(folder, file, {"--end-time", "0.01", "--set", "output.quantities=[\"j.*\"]"});
+  EXPECT_NEAR(column(run, "j.acceleration")[0], 2.0 * 9.81 * 0.5 / (0.02 + 2.0 * 0.25), 1e-9);
+  // A base that floats and has nothing moves with what hangs on it.
+  const Folder other;
+  const auto floating = other.write("r.urdf", robot(link("a", "") + link("b", "") + link("c", arm) + joints));
+  const results::Run fall = run_robot(other, floating, {"--end-time", "0.5"}, {"--base", "floating"});
+  EXPECT_NEAR(body(fall, "c").pose(fall.time.size() - 1, 2), -0.5 * 9.81 * 0.25, 1e-6);
+}
+
 }  // namespace
 }  // namespace flexura::test

@@ -40,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"empty", "", "is no URDF"}, Bad{"text", "hello", "is no URDF"}, Bad{"not_closed", "<robot name='r'><link name='a'>", "not well-formed"},
         Bad{"other_root", "<sdf/>", "<robot> is wanted"}, Bad{"no_links", robot(""), "no <link>"},
         Bad{"deep", [] { std::string s; for (int i = 0; i < 20000; ++i) s += "<robot>"; return s; }(), "nested too deep"},
-        Bad{"xacro_element", robot("<xacro:macro name=\"x\"/>" + kTwo), "xacro macro"},
+        Bad{"xacro_element", robot("<xacro:macro name=\"x\"/><xacro:x/>" + kTwo), "xacro macro"},
         Bad{"xacro_value", robot(link("a", "<inertial><mass value=\"${m}\"/></inertial>")), "xacro macro"},
         Bad{"no_name", robot("<link/>"), "<link> has no name"}, Bad{"empty_name", robot("<link name=\" \"/>"), "is empty"},
         Bad{"two_links", robot(link("a") + link("a", "")), "a second link \"a\""},

@@ -87,6 +87,16 @@ INSTANTIATE_TEST_SUITE_P(
         Odd{"unknown_element", robot(kTwo + kMoves + "<drake:ignored/>"), "passed over: <drake:ignored>"},
         Odd{"left_by_xacro", robot(kTwo + kMoves + "<xacro:sensors at=\"b\"/>"),
             "passed over: <xacro:sensors>"},
+        Odd{"definitions_that_nothing_uses",
+            robot(kTwo + kMoves +
+                  "<xacro:macro name=\"m\"><link "
+                  "name=\"${p}\"/></xacro:macro>"),
+            "passed over: <xacro:macro>"},
+        Odd{"no_weight_in_gazebo",
+            robot(kTwo + kMoves + "<gazebo reference=\"b\"><turnGravityOff>true</turnGravityOff></gazebo>"),
+            "link \"b\" has no weight in Gazebo"},
+        Odd{"degrees", robot(kTwo + joint("j", "continuous", "a", "b", R"(<origin rpy="90 0 0"/>)")),
+            "rpy of <origin> is 90 0 0: taken as radians"},
         Odd{"twice_alike", robot(kTwo + link("b") + kMoves), "link \"b\" stands there twice, alike"},
         Odd{"loose_frame", robot(kTwo + link("c", "") + kMoves), "no joint names link \"c\""},
         Odd{"fixed_mimics", robot(kTwo + joint("j", "fixed", "a", "b", R"(<mimic joint="k"/>)")),
@@ -122,6 +132,16 @@ INSTANTIATE_TEST_SUITE_P(
             "its mass, 2 kg, is taken as a point", "mass = 2.0"},
         Odd{"world", robot(kTwo + kMoves + joint("to_ground", "fixed", "world", "a")),
             "the parent of joint \"to_ground\" is \"world\""},
+        Odd{"loop",
+            robot(kTwo + kMoves + R"(<loop_joint name="l"><link1 link="a"/><link2 link="b"/></loop_joint>)"),
+            "<loop_joint> \"l\" joins two links"},
+        Odd{"loop_of_gazebo",
+            robot(
+                kTwo + kMoves +
+                R"(<gazebo><joint name="l" type="revolute"><parent>a</parent><child>b</child></joint></gazebo>)"),
+            "<joint> \"l\" joins two links"},
+        Odd{"include", robot(kTwo + kMoves + R"(<xacro:include filename="$(find r)/plugins.xacro"/>)"),
+            "plugins.xacro\" is left out"},
         Odd{"loose_link", robot(kTwo + link("c") + kMoves),
             "no joint names link \"c\": it is left out, with 1 kg"},
         Odd{"two_origins",

@@ -73,6 +73,23 @@ TEST(UrdfImport, FloatingBaseFallsWithTheRobot) {
   EXPECT_NEAR(body(run, "rod").pose(run.time.size() - 1, 2), -0.5 * 9.81 * 0.25, 1e-6);
 }
 
+// A rod hung by its end on a ball, held out along x: it falls about y like a hinged one, q'' = m g l / (I + m l^2).
+TEST(UrdfImport, BallJointsTurnAboutAllAxes) {
+  const Folder folder;
+  const auto file = folder.write(
+      "r.urdf",
+      robot(
+          link("a") +
+          link(
+              "b",
+              R"(<inertial><origin xyz="0.5 0 0"/><mass value="2"/><inertia ixx="0.01" iyy="0.2" izz="0.2" ixy="0" ixz="0" iyz="0"/></inertial>)") +
+          joint("j", "ball", "a", "b")));
+  const results::Run run =
+      run_robot(folder, file, {"--end-time", "0.01", "--set", "output.quantities=[\"j.*\"]"});
+  EXPECT_NEAR(column(run, "j.alpha_y")[0], 2.0 * 9.81 * 0.5 / (0.2 + 2.0 * 0.25), 1e-9);
+  EXPECT_NEAR(column(run, "j.alpha_x")[0], 0.0, 1e-12);
+}
+
 TEST(UrdfImport, MeshesAndTurnedBoxesBecomeRigidSuperelementsOfTheSameInertia) {
   const Folder folder;
   // A tetrahedron as text and as binary STL and as OBJ.

@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "import/urdf/start.hpp"
+#include "import/urdf/at_start.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -52,10 +52,12 @@ std::vector<Vector6d> twists(const Joint& joint, const Pose& X_WJ) {
       const Matrix3d R = mbs::frame_along(axis);
       return {slide(R.col(0)), slide(R.col(1)), turn(axis)};
     }
-    case JointKind::floating: {
+    case JointKind::floating:
+    case JointKind::spherical: {
       std::vector<Vector6d> all;
       for (int k = 0; k < 3; ++k) all.push_back(turn(Vector3d::Unit(k)));
-      for (int k = 0; k < 3; ++k) all.push_back(slide(Vector3d::Unit(k)));
+      if (joint.kind == JointKind::floating)
+        for (int k = 0; k < 3; ++k) all.push_back(slide(Vector3d::Unit(k)));
       return all;
     }
     case JointKind::fixed:
@@ -86,6 +88,14 @@ Pose motion_of(const Joint& joint, double q) {
   if (turns(joint)) motion.R = mbs::rotation_exp(q * joint.axis);
   if (joint.kind == JointKind::prismatic) motion.p = q * joint.axis;
   return motion;
+}
+
+void fix(Joint& joint, double& q) {
+  joint.X_PJ = joint.X_PJ * motion_of(joint, q);
+  joint.kind = JointKind::fixed;
+  joint.mimic.reset();
+  joint.limit.reset();
+  q = 0.0;
 }
 
 std::vector<Pose> link_poses(const Robot& robot, const std::vector<double>& q) {

@@ -15,6 +15,9 @@ std::vector<double> start_coordinates(const Robot& robot);
 /// Motion of a joint of one coordinate by q, of others none.
 Pose motion_of(const Joint& joint, double q);
 
+/// Makes a joint of one coordinate a fixed one that stands at q, which becomes 0.
+void fix(Joint& joint, double& q);
+
 /// Where the links stand; the root at the origin.
 std::vector<Pose> link_poses(const Robot& robot, const std::vector<double>& q);
 
