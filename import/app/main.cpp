@@ -84,6 +84,8 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_robot) {
 
 // A MJCF or SDF says by itself what its bodies weigh and which motors it has.
 void refuse_options_of_urdf(const Arguments& a) {
+  if (a.contacts)
+    throw std::invalid_argument(a.input + ": --contacts is for URDF, which this is not: leave it out");
   for (const auto& [text, option] : {std::pair(&a.massless, "--massless"),
                                      {&a.controllers, "--controllers"},
                                      {&a.density, "--density"},
@@ -138,6 +140,16 @@ void write_page(const fs::path& file, const std::function<void()>& write, const 
   }
 }
 
+int write_robot(const Arguments& a, const import::ReadRobot& robot, const fs::path& folder,
+                const terminal::Verbosity& verbosity) {
+  const fs::path page = folder / "robot.html";
+  import::write_folder(folder, robot.mechanism, robot.texts, a.force, {page});
+  report(robot.mechanism, folder, verbosity);
+  write_page(
+      page, [&] { import::write_robot_page(page, robot); }, "what was found", verbosity);
+  return 0;
+}
+
 int import_robot(const Arguments& a, const std::filesystem::path& folder,
                  const terminal::Verbosity& verbosity) {
   using import::urdf::Massless;
@@ -153,25 +165,18 @@ int import_robot(const Arguments& a, const std::filesystem::path& folder,
                           .density = quantity(a.density, "--density", input::dim::density, 1000.0),
                           .packages = a.packages},
                          a.strict, a.xacro == "run");
-  const fs::path page = folder / "robot.html";
-  import::write_folder(folder, robot.mechanism, robot.texts, a.force, {page});
-  report(robot.mechanism, folder, verbosity);
-  write_page(
-      page, [&] { import::write_robot_page(page, robot); }, "what was found", verbosity);
-  return 0;
+  return write_robot(a, robot, folder, verbosity);
 }
 
 int import_tree(const Arguments& a, import::TreeFormat format, const fs::path& folder,
                 const terminal::Verbosity& verbosity) {
-  const import::ReadTree robot =
+  const import::ReadRobot robot =
       import::read_tree(a.input, format,
                         {.floating_base = a.base.empty() ? std::nullopt : std::optional(a.base == "floating"),
                          .stops = !a.no_stops,
                          .packages = a.packages},
                         a.strict);
-  import::write_folder(folder, robot.mechanism, robot.texts, a.force);
-  report(robot.mechanism, folder, verbosity);
-  return 0;
+  return write_robot(a, robot, folder, verbosity);
 }
 
 // What overlaps goes into the notes as well; where it cannot be sought, that does.

@@ -24,13 +24,13 @@ std::optional<TreeFormat> tree_format(const std::filesystem::path& file) {
   return TreeFormat::mjcf;
 }
 
-ReadTree read_tree(const std::filesystem::path& file, TreeFormat format, const TreeChoices& choices,
-                   bool strict) {
+ReadRobot read_tree(const std::filesystem::path& file, TreeFormat format, const TreeChoices& choices,
+                    bool strict) {
   if (format == TreeFormat::mjcf && choices.floating_base)
     throw std::invalid_argument(
         file.string() + ": --base is for robots whose file leaves it open; an MJCF does not, leave it out");
-  Findings findings(file, strict);
-  ReadTree out;
+  ReadRobot out{.findings = Findings(file, strict)};
+  Findings& findings = out.findings;
   if (format == TreeFormat::mjcf)
     out.mechanism = mjcf::to_mechanism(file, {.stops = choices.stops}, findings);
   else

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "import/model/folder.hpp"
+#include "import/app/robot.hpp"
 
 namespace flexura::import {
 
@@ -21,13 +21,8 @@ struct TreeChoices {
   std::vector<std::string> packages = {};
 };
 
-struct ReadTree {
-  Mechanism mechanism;
-  std::vector<TextFile> texts;  ///< part files of bodies that can be made flexible
-};
-
 /// Reads an MJCF or SDF, and tries the mechanism.  Throws std::invalid_argument (Faults among them) and std::runtime_error.
-ReadTree read_tree(const std::filesystem::path& file, TreeFormat format, const TreeChoices& choices,
-                   bool strict);
+ReadRobot read_tree(const std::filesystem::path& file, TreeFormat format, const TreeChoices& choices,
+                    bool strict);
 
 }  // namespace flexura::import

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "import/mjcf/joints.hpp"
 #include "import/mjcf/sections.hpp"
 #include "import/xml/values.hpp"
 #include "mbs/base/math/rotation.hpp"
@@ -97,7 +98,9 @@ class EqualityWriter {
       return;
     }
     const bool points_only = e.tag == "connect" || xml::number(e, "torquescale", 1.0, findings_) == 0.0;
-    if (const double open = (X_W(a).p - X_W(b).p).norm(); open > 1e-6)
+    const double open = (X_W(a).p - X_W(b).p).norm();
+    if (open > 1e-6 && points_only) return pull_together(e, name, a, b, open);
+    if (open > 1e-6)
       xml::note(findings_, e, "loops open at the start",
                 fmt::format("{} \"{}\" is open by {:.3g} m at the start and is closed before it runs", e.tag,
                             shown(name), open));
@@ -106,6 +109,32 @@ class EqualityWriter {
                  text_line("from", writer_.marker(a.link, name + "_1", a.X_LP)),
                  text_line("to", writer_.marker(b.link, name + "_2", b.X_LP)),
                  {"cut", "true"}});
+  }
+
+  // As MuJoCo does: a spring and a damper of its time constant, for what the points carry at the start.  A joint would have to
+  // close before the motion, and the bodies would start elsewhere than the file puts them.
+  void pull_together(const Node& e, const std::string& name, const Place& a, const Place& b, double open) {
+    double compliance = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      tree::StartMass::Row row = writer_.mass().moves(b.link, X_W(b).p, Vector3d::Unit(k));
+      for (const auto& [c, f] : writer_.mass().moves(a.link, X_W(a).p, Vector3d::Unit(k)))
+        row.emplace_back(c, -f);
+      compliance += writer_.mass().compliance(row) / 3.0;
+    }
+    if (!(compliance > 0.0)) return;
+    const auto [omega, ratio] = stop_law(xml::numbers(e, "solref", findings_));
+    const auto three = [](double x) { return toml(Vector3d(Vector3d::Constant(x))); };
+    xml::note(
+        findings_, e, "loops open at the start",
+        fmt::format(
+            "{} \"{}\" is open by {:.3g} m at the start: a spring with MuJoCo's time constant closes it",
+            e.tag, shown(name), open));
+    writer_.add("force", name, {"open at the start in the file"},
+                {text_line("type", "bushing"),
+                 text_line("from", writer_.marker(a.link, name + "_1", a.X_LP)),
+                 text_line("to", writer_.marker(b.link, name + "_2", b.X_LP)),
+                 {"stiffness", three(omega * omega / compliance)},
+                 {"damping", three(2.0 * ratio * omega / compliance)}});
   }
 
   std::vector<double> polynomial(const Node& e) const {

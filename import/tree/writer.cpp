@@ -44,7 +44,10 @@ Writer::Writer(const Tree& tree, const StartMass& mass, Findings& findings)
   for (const Link& link : tree.links) {
     Body body;
     body.name = names_.add(link.name);
-    if (body.name != link.name) body.comments.push_back("body \"" + shown(link.name) + "\"");
+    if (body.name != link.name) {
+      body.comments.push_back("body \"" + shown(link.name) + "\"");
+      result_.renamed.emplace_back(shown(link.name), body.name);
+    }
     body.comments.insert(body.comments.end(), link.comments.begin(), link.comments.end());
     body.mass = link.inertial.mass;
     body.center = link.inertial.center;
@@ -56,7 +59,11 @@ Writer::Writer(const Tree& tree, const StartMass& mass, Findings& findings)
     findings_.note("pictures left out", fmt::format("{} shapes are not drawn: ellipsoids, boxes that are "
                                                     "turned and meshes are on bodies with mass only",
                                                     left_out));
-  for (const Joint& joint : tree.joints) joint_names_.push_back(names_.add(joint.name));
+  for (const Joint& joint : tree.joints) {
+    joint_names_.push_back(names_.add(joint.name));
+    if (joint_names_.back() != joint.name)
+      result_.renamed.emplace_back(shown(joint.name), joint_names_.back());
+  }
   for (std::size_t j = 0; j < tree.joints.size(); ++j) add_joint(j);
   for (std::size_t j = 0; j < tree.joints.size(); ++j) add_forces(j);
 }
