@@ -1,6 +1,6 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
 
-// flexura-import: turns a robot (URDF) or a CAD assembly (STEP) into a folder with a mechanism that runs.  `flexura import`
+// flexura-import: turns a robot (URDF, MJCF, SDF) or a CAD assembly (STEP) into a folder with a mechanism that runs.  `flexura import`
 // hands over to it.
 #include <fmt/format.h>
 
@@ -10,6 +10,7 @@
 
 #include "import/app/ask.hpp"
 #include "import/app/robot.hpp"
+#include "import/app/tree_robot.hpp"
 #include "import/cad/joints/build.hpp"
 #include "import/model/findings.hpp"
 #include "import/model/folder.hpp"
@@ -81,6 +82,19 @@ void refuse_options_of_the_other_kind(const Arguments& a, bool is_robot) {
   }
 }
 
+// A MJCF or SDF says by itself what its bodies weigh and which motors it has.
+void refuse_options_of_urdf(const Arguments& a) {
+  if (a.contacts)
+    throw std::invalid_argument(a.input + ": --contacts is for URDF, which this is not: leave it out");
+  for (const auto& [text, option] : {std::pair(&a.massless, "--massless"),
+                                     {&a.controllers, "--controllers"},
+                                     {&a.density, "--density"},
+                                     {&a.xacro, "--xacro"}})
+    if (!text->empty())
+      throw std::invalid_argument(
+          fmt::format("{}: {} is for URDF, which this is not: leave it out", a.input, option));
+}
+
 double quantity(const std::string& text, const char* option, const input::Dimension& dimension,
                 double otherwise) {
   if (text.empty()) return otherwise;
@@ -126,6 +140,16 @@ void write_page(const fs::path& file, const std::function<void()>& write, const 
   }
 }
 
+int write_robot(const Arguments& a, const import::ReadRobot& robot, const fs::path& folder,
+                const terminal::Verbosity& verbosity) {
+  const fs::path page = folder / "robot.html";
+  import::write_folder(folder, robot.mechanism, robot.texts, a.force, {page});
+  report(robot.mechanism, folder, verbosity);
+  write_page(
+      page, [&] { import::write_robot_page(page, robot); }, "what was found", verbosity);
+  return 0;
+}
+
 int import_robot(const Arguments& a, const std::filesystem::path& folder,
                  const terminal::Verbosity& verbosity) {
   using import::urdf::Massless;
@@ -141,12 +165,18 @@ int import_robot(const Arguments& a, const std::filesystem::path& folder,
                           .density = quantity(a.density, "--density", input::dim::density, 1000.0),
                           .packages = a.packages},
                          a.strict, a.xacro == "run");
-  const fs::path page = folder / "robot.html";
-  import::write_folder(folder, robot.mechanism, robot.texts, a.force, {page});
-  report(robot.mechanism, folder, verbosity);
-  write_page(
-      page, [&] { import::write_robot_page(page, robot); }, "what was found", verbosity);
-  return 0;
+  return write_robot(a, robot, folder, verbosity);
+}
+
+int import_tree(const Arguments& a, import::TreeFormat format, const fs::path& folder,
+                const terminal::Verbosity& verbosity) {
+  const import::ReadRobot robot =
+      import::read_tree(a.input, format,
+                        {.floating_base = a.base.empty() ? std::nullopt : std::optional(a.base == "floating"),
+                         .stops = !a.no_stops,
+                         .packages = a.packages},
+                        a.strict);
+  return write_robot(a, robot, folder, verbosity);
 }
 
 // What overlaps goes into the notes as well; where it cannot be sought, that does.
@@ -196,30 +226,38 @@ int import_assembly(const Arguments& a, const std::filesystem::path& folder,
 
 int import_file(const Arguments& a, const terminal::Verbosity& verbosity) {
   const std::string ending = import::ending_of(a.input);
-  const bool is_robot = ending == ".urdf" || ending == ".xacro";
+  const auto tree = import::tree_format(a.input);
+  const bool is_robot = tree || ending == ".urdf" || ending == ".xacro" || ending == ".xml";
   if (!is_robot && ending != ".step" && ending != ".stp")
     throw std::invalid_argument(
         a.input +
-        ": is not of a kind that is imported; name a robot (.urdf, .xacro) or an assembly (.step, .stp)");
+        ": is not of a kind that is imported; name a robot (.urdf, .xacro, .xml, .mjcf, .sdf, .world) or "
+        "an assembly (.step, .stp)");
   refuse_options_of_the_other_kind(a, is_robot);
+  if (tree) refuse_options_of_urdf(a);
   fs::path folder = a.output;
   if (a.output.empty()) {  // robot.urdf.xacro: "robot"
     folder = fs::path(a.input).stem();
     if (import::ending_of(folder) == ".urdf") folder = folder.stem();
   }
+  if (tree) return import_tree(a, *tree, folder, verbosity);
   return is_robot ? import_robot(a, folder, verbosity) : import_assembly(a, folder, verbosity);
 }
 
 std::function<int()> declare(terminal::Options& options, const terminal::Verbosity& verbosity) {
   const auto a = std::make_shared<Arguments>();
-  options.argument("FILE", a->input, "robot (.urdf, .xacro) or assembly (.step, .stp)")
+  options
+      .argument("FILE", a->input,
+                "robot (.urdf, .xacro; .xml or .mjcf of MuJoCo; .sdf or .world of Gazebo) or assembly "
+                "(.step, .stp)")
       .option("-o,--output", a->output, "FOLDER",
               "folder to write, made where it is not there (default: the file's name)")
       .flag("--force", a->force, "replace files of the folder that are there already")
       .choice("--base", a->base, {"fixed", "floating"},
-              "robots: whether the root link stands on the ground or floats free (default: fixed)")
+              "robots: whether the root link stands on the ground or floats free (default: fixed; of SDF "
+              "floating)")
       .flag("--no-stops", a->no_stops, "robots: leave the limits of the joints' travel out")
-      .option("--package", a->packages, "NAME=FOLDER", "robots: where package://NAME/ of the meshes lies")
+      .option("--package", a->packages, "NAME=FOLDER", "robots: where package://NAME/ or model://NAME/ lies")
       .choice("--joints", a->joints, {"propose", "ask", "none"},
               "assemblies: propose joints from the geometry, ask about each of them, or leave the bodies "
               "free (default: propose)")

@@ -141,6 +141,9 @@ std::string mechanism_text(const Mechanism& mechanism) {
   std::string out;
   for (const std::string& comment : mechanism.comments) out += "# " + one_line(comment) + "\n";
   out += "name = " + toml(shown(mechanism.name)) + "\n";
+  for (const auto& [key, value] : mechanism.head) out += key + " = " + value + "\n";
+  for (const std::vector<Line>& shape : mechanism.ground_shapes)
+    write_table(out, "[[ground.shape]]", {}, shape);
   write_markers(out, "ground", mechanism.ground);
   for (const Body& body : mechanism.bodies) {
     write_table(out, "[body." + body.name + "]", body.comments, body_lines(body));

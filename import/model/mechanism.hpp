@@ -75,8 +75,10 @@ struct Element {
 struct Mechanism {
   std::string name;
   std::vector<std::string> comments = {};  ///< at the head of the file
+  std::vector<Line> head = {};             ///< behind the name: gravity
   std::vector<Body> bodies = {};
   std::vector<Marker> ground = {};
+  std::vector<std::vector<Line>> ground_shapes = {};
   std::vector<Element> elements = {};
   std::vector<Line> solver = {};        ///< of the table [solver]
   std::vector<std::string> notes = {};  ///< sentences for the user: what was not taken over, what is doubtful

@@ -50,7 +50,7 @@ terminal::Command section_command() {
 }
 
 terminal::Command import_command() {
-  return {"import", "make a mechanism of a robot (URDF) or a CAD assembly (by flexura-import)",
+  return {"import", "make a mechanism of a robot (URDF, MJCF, SDF) or a CAD assembly (by flexura-import)",
           [](terminal::Options&, const terminal::Verbosity&) -> std::function<int()> {
             hand_over("flexura-import", {"--help"});
           },

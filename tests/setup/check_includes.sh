@@ -21,7 +21,7 @@ hdf5            | mbs/base/hdf5/
 H5              | mbs/base/hdf5/
 CLI             | mbs/base/terminal/
 toml\+\+        | mbs/base/documents/
-tinyxml2        | import/urdf/
+tinyxml2        | import/urdf/ import/xml/
 STEP            | import/cad/
 fcl             | mbs/proximity/
 XCAF            | import/cad/

@@ -137,7 +137,9 @@ void AccelerationSolver::solve_coupled(SaddleSolver& factors, State& s, Eigen::V
   b_step_.resize(n_.n_alg);
   residual(s, v_dot, b_now_);
   const auto enough = [&](const Eigen::VectorXd& b, const Eigen::VectorXd& a) {
-    return b.lpNorm<Eigen::Infinity>() <= 1e-12 * (a.lpNorm<Eigen::Infinity>() + 1e-300);
+    // Readings that are 0, as of a body that hangs at rest, have no size of their own: what is left then is far below
+    // the round-off of any force.
+    return b.lpNorm<Eigen::Infinity>() <= 1e-12 * a.lpNorm<Eigen::Infinity>() + 1e-30;
   };
   double before = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < 50; ++iteration) {
