@@ -121,9 +121,11 @@ Geom read_geom(const Node& geom, const Model& model, Findings& findings) {
   const auto found = model.meshes.find(mesh);
   try {
     if (found == model.meshes.end())
-      throw std::invalid_argument(fmt::format("there is no <mesh> \"{}\"", shown(mesh)));
+      throw std::invalid_argument(fmt::format("there is no <mesh> \"{}\"; name one of <asset>", shown(mesh)));
     if (result.kind != "mesh")
-      throw std::invalid_argument(fmt::format("a {} that is fitted to a mesh is not read", result.kind));
+      throw std::invalid_argument(
+          fmt::format("a {} that is fitted to a mesh is not read; give it a size, or the body an <inertial>",
+                      result.kind));
     result.solid = tree::Solid{.kind = Kind::surface,
                                .X_LS = pose_of(geom, model.compiler, findings),
                                .surface = read_mesh(found->second, model),

@@ -28,7 +28,10 @@ Surface convex_hull(const std::vector<Vector3d>& points) {
       if (measure(at(i)) > measure(at(best))) best = i;
     return best;
   };
-  const auto flat = [] { throw std::invalid_argument("its points lie in one plane and enclose no volume"); };
+  const auto flat = [] {
+    throw std::invalid_argument(
+        "its points lie in one plane and enclose no volume; give the body an <inertial>");
+  };
   if (n < 4) flat();
   const int a = farthest([](const Vector3d& x) { return -x.x(); });
   const int b = farthest([&](const Vector3d& x) { return (x - at(a)).squaredNorm(); });

@@ -35,7 +35,7 @@ Surface read_msh(const fs::path& file) {
   if (bytes.size() >= sizeof n) std::memcpy(n, bytes.data(), sizeof n);
   std::size_t size = sizeof n;
   for (int k = 0; k < 4; ++k) {
-    if (n[k] < 0) refuse(file.string() + ": is no mesh of MuJoCo's: a negative count");
+    if (n[k] < 0) refuse(file.string() + ": is no mesh of MuJoCo's: a negative count; write the file anew");
     size += static_cast<std::size_t>(n[k]) * (k == 2 ? 2 : 3) * 4;
   }
   if (n[0] < 1 || size != bytes.size())
@@ -51,7 +51,8 @@ Surface read_msh(const fs::path& file) {
     std::int32_t c[3];
     std::memcpy(c, bytes.data() + bytes.size() - 12 * static_cast<std::size_t>(n[3] - t), sizeof c);
     for (const std::int32_t v : c)
-      if (v < 0 || v >= n[0]) refuse(file.string() + ": a face names a vertex that is not there");
+      if (v < 0 || v >= n[0])
+        refuse(file.string() + ": a face names a vertex that is not there; write the file anew");
     surface.triangles.emplace_back(c[0], c[1], c[2]);
   }
   return surface;
@@ -66,24 +67,27 @@ fs::path file_of(const Node& mesh, const Model& model) {
   // As the compiler finds it, then beside the file.
   for (const fs::path& file : {named, folder / name, folder / fs::path(name).filename()})
     if (fs::is_regular_file(file, none)) return file;
-  refuse(fmt::format("the file \"{}\" is not there ({})", shown(name), named.lexically_normal().string()));
+  refuse(fmt::format("the file \"{}\" is not there ({}); put it there, or give the body an <inertial>",
+                     shown(name), named.lexically_normal().string()));
 }
 
 Surface inline_surface(const Node& mesh) {
   const auto x = xml::parse_numbers(mesh.get("vertex"));
-  if (!x || x->size() % 3 != 0 || x->size() < 12) refuse("its vertices are not four or more points");
+  if (!x || x->size() % 3 != 0 || x->size() < 12)
+    refuse("its vertices are not four or more points; give three numbers for each");
   Surface surface;
   for (std::size_t i = 0; i < x->size(); i += 3)
     surface.vertices.emplace_back((*x)[i], (*x)[i + 1], (*x)[i + 2]);
   if (!mesh.has("face")) return convex_hull(surface.vertices);
   const auto corners = xml::parse_numbers(mesh.get("face"));
-  if (!corners || corners->size() % 3 != 0) refuse("its faces are not three numbers each");
+  if (!corners || corners->size() % 3 != 0)
+    refuse("its faces are not three numbers each; give the vertices of triangles");
   for (std::size_t i = 0; i < corners->size(); i += 3) {
     Eigen::Vector3i t;
     for (int k = 0; k < 3; ++k) {
       const double c = (*corners)[i + static_cast<std::size_t>(k)];
       if (!(c >= 0.0) || c >= static_cast<double>(surface.vertices.size()))
-        refuse("a face names a vertex that is not there");
+        refuse("a face names a vertex that is not there; give vertices from 0 on");
       t[k] = static_cast<int>(c);
     }
     surface.triangles.push_back(t);
@@ -144,7 +148,8 @@ Surface read_mesh(const Node& mesh, const Model& model) {
   if (mesh.has("vertex")) {
     surface = inline_surface(mesh);
   } else if (mesh.has("builtin")) {
-    refuse(fmt::format("a builtin mesh (\"{}\") is not read", shown(mesh.get("builtin"))));
+    refuse(fmt::format("a builtin mesh (\"{}\") is not read; give its points, or the body an <inertial>",
+                       shown(mesh.get("builtin"))));
   } else {
     const fs::path file = file_of(mesh, model);
     surface = ending_of(file) == ".msh" ? read_msh(file) : urdf::read_surface(file);

@@ -162,7 +162,9 @@ class LinkReader {
     const Node* const uri = g.child("uri");
     const std::string name = uri == nullptr ? "" : uri->text;
     try {
-      if (g.child("submesh") != nullptr) throw std::invalid_argument("parts of meshes are not read");
+      if (g.child("submesh") != nullptr)
+        throw std::invalid_argument(
+            "parts of meshes are not read; give the part a file of its own, or the link an <inertial>");
       const std::filesystem::path file = find_uri(name, *g.file, packages_);
       if (file.empty()) throw std::invalid_argument(fmt::format("mesh \"{}\" is not there", shown(name)));
       solid.kind = Solid::Kind::surface;

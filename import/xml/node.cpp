@@ -160,7 +160,8 @@ Node read(const std::filesystem::path& file, const std::string& kind, Findings* 
   if (!in || !std::filesystem::is_regular_file(file, none))
     throw std::invalid_argument(file.string() + ": cannot be read; check the name");
   constexpr std::uintmax_t most_bytes = 256U << 20U;
-  if (std::filesystem::file_size(file, none) > most_bytes) refuse(file.string(), "it is larger than 256 MiB");
+  if (std::filesystem::file_size(file, none) > most_bytes)
+    refuse(file.string(), "it is larger than 256 MiB; take out what is no mechanism");
   std::string text{std::istreambuf_iterator<char>(in), {}};
   if (text.find('\0') != std::string::npos) refuse(file.string(), "it holds zero bytes, XML text is wanted");
   if (has_crowded_element(text)) refuse(file.string(), "an element has more than 1000 attributes");
@@ -179,9 +180,11 @@ Node read(const std::filesystem::path& file, const std::string& kind, Findings* 
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
     refuse(fmt::format("{}:{}", file.string(), std::max(1, document.ErrorLineNum())),
            document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED
-               ? "its elements are nested too deep"
-               : "it is not well-formed XML (an element that is not closed, a stray character)");
-  if (document.RootElement() == nullptr) refuse(file.string() + ":1", "it has no element");
+               ? "its elements are nested too deep; no robot's are"
+               : "it is not well-formed XML (an element that is not closed, a stray character); close it or "
+                 "take it out");
+  if (document.RootElement() == nullptr)
+    refuse(file.string() + ":1", "it has no element; give the root of a robot");
   return copied(*document.RootElement(), std::make_shared<const std::filesystem::path>(file));
 }
 

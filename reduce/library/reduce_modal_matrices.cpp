@@ -97,8 +97,9 @@ std::vector<Grid> grids_of(const PartInput& input, const std::vector<Dof>& dofs)
     if (grids.empty() || grids.back().label != label) {
       const auto x = at.find(label);
       if (x == at.end())
-        throw std::invalid_argument(fmt::format("{}: has no node {}, at which {} has a matrix",
-                                                input.cad.path.string(), label, input.stiffness.string()));
+        throw std::invalid_argument(
+            fmt::format("{}: has no node {}, at which {} has a matrix; give the file with the grid points",
+                        input.cad.path.string(), label, input.stiffness.string()));
       const auto name = names.find(label);
       grids.push_back({label,
                        x->second,
@@ -174,7 +175,7 @@ Reduced reduce_reduced_body(const PartInput& input) {
   const Entries K_file = read_entries(input.stiffness, 'K');
   if (std::ranges::none_of(K_file, [](const auto& entry) { return entry.first.first.second != 0; }))
     throw std::invalid_argument(file +
-                                ": has scalar points alone (component 0); grid points are needed, to which "
+                                ": has scalar points alone (component 0); give grid points, to which "
                                 "something could be joined");
   const Entries M_file = read_entries(input.mass_matrix, 'M');
   Entries D_file;

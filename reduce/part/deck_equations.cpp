@@ -44,7 +44,8 @@ void add_equations(const PartInput& input, const PartMesh& from, ModelledPart& o
         "out as supports are: a superelement is a free body, joints hold it at run time",
         to_ground, to_ground == 1 ? "" : "s", to_ground == 1 ? "s" : "", first,
         to_ground == 1 ? "is" : "are"));
-    if (input.strict) throw std::invalid_argument("strict: " + out.warnings.back());
+    if (input.strict)
+      throw std::invalid_argument(out.warnings.back() + "; take --strict away to have it left out");
   }
   part.dependent =
       eliminate(equations, part.mesh.points, [&](const NodalDof& dof) { return !follows[dof.node]; });

@@ -18,8 +18,10 @@ using input::InputError;
 // Stresses by strains (xx, yy, zz, xy, yz, zx).
 Material anisotropic(const mesh::ImportedMaterial& from) {
   if (Eigen::LLT<Eigen::Matrix<double, 6, 6>>(from.stiffness).info() != Eigen::Success)
-    throw std::invalid_argument(fmt::format(
-        "material \"{}\": its constants are not those of a positive definite stiffness", from.name));
+    throw std::invalid_argument(
+        fmt::format("material \"{}\": its constants are not those of a positive definite stiffness; check "
+                    "their order and signs",
+                    from.name));
   return {.name = from.name, .D = from.stiffness, .density = from.rho};
 }
 

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <map>
 
+#include "reduce/assembly/input/pieces.hpp"
 #include "reduce/assembly/input/rigid_motion.hpp"
-#include "reduce/assembly/pieces.hpp"
 #include "reduce/assembly/tied_model.hpp"
 
 namespace flexura::reduce {

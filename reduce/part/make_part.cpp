@@ -12,8 +12,8 @@
 
 #include "mbs/base/documents/document.hpp"
 #include "mesh/model/shell_sides.hpp"
+#include "reduce/assembly/input/pieces.hpp"
 #include "reduce/assembly/input/shell_skins.hpp"
-#include "reduce/assembly/pieces.hpp"
 #include "reduce/assembly/point_mass.hpp"
 #include "reduce/assembly/whole_body.hpp"
 #include "reduce/elements/surface.hpp"

@@ -234,7 +234,7 @@ std::unique_ptr<Source> open_op4(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) refuse(path, "cannot be read; check the path");
   std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (text.size() < 16) refuse(path, "is no OUTPUT4 file: it has less than 16 bytes");
+  if (text.size() < 16) refuse(path, "is no OUTPUT4 file: it has less than 16 bytes; write the matrix anew");
   // A record begins with its length, of which three bytes are zero, which no text has.
   if (text[1] == '\0' && text[2] == '\0') return std::make_unique<BinarySource>(path, std::move(text));
   return std::make_unique<FormattedSource>(path, std::move(text));
@@ -320,7 +320,7 @@ void read_op4(const std::filesystem::path& path, char letter,
           return false;
         },
         {});
-  if (names.empty()) refuse(path, "holds no matrix");
+  if (names.empty()) refuse(path, "holds no matrix; write K and M into it");
   std::vector<std::string> fit;
   for (const std::string& name : names)
     if (names.size() == 1 || (name.starts_with(letter) && !name.starts_with("K4"))) fit.push_back(name);

@@ -37,19 +37,19 @@ class Elastodynamics final : public Integrator {
  public:
   Elastodynamics(const Equations& eq, const SolverOptions& options)
       : eq_(eq), options_(options), n_(eq.sizes()), scratch_(eq.make_scratch()), tangents_(eq) {
-    const auto refuse = [](const std::string& what, const std::string& name) {
+    const auto stop_at = [](const std::string& what, const std::string& name) {
       throw std::invalid_argument(
-          fmt::format("ked {}, and \"{}\" is one: use method = \"radau\"", what, name));
+          fmt::format("ked {}, and \"{}\" is one; use method = \"radau\"", what, name));
     };
-    if (n_.n_dyn > 0) refuse("knows no dynamic states", eq.name_of_dynamic(0));
-    if (n_.n_alg > 0) refuse("knows no algebraic states", eq.name_of_algebraic(0));
+    if (n_.n_dyn > 0) stop_at("knows no dynamic states", eq.name_of_dynamic(0));
+    if (n_.n_alg > 0) stop_at("knows no algebraic states", eq.name_of_algebraic(0));
     for (int k = 0; k < n_.n_root; ++k)
-      if (!eq.is_condition(k)) refuse("does not locate switches", eq.name_of_root(k));
+      if (!eq.is_condition(k)) stop_at("does not locate switches", eq.name_of_root(k));
     for (int k = 0; k < n_.n_lambda; ++k)
-      if (!eq.is_holonomic(k)) refuse("takes drives of positions, not of speeds", eq.name_of_constraint(k));
+      if (!eq.is_holonomic(k)) stop_at("takes drives of positions, not of speeds", eq.name_of_constraint(k));
     for (int i = 0; i < n_.n_p; ++i)
       if (eq.name_of_position(i).ends_with(".qw"))
-        refuse("takes coordinates that are angles and lengths, no quaternions", eq.name_of_position(i));
+        stop_at("takes coordinates that are angles and lengths, no quaternions", eq.name_of_position(i));
     hold_.keep_position.assign(static_cast<std::size_t>(n_.n_v), false);
     for (int i = 0; i < n_.n_v; ++i) {
       int i_p = -1;
@@ -192,7 +192,8 @@ class Elastodynamics final : public Integrator {
     if (report.positions_kept) assemble_velocities(eq_, s, hold_, report);
     if (!report.positions_kept || !report.velocities_kept)
       throw std::runtime_error(
-          "the loops do not close without deformation, which the nominal motion has none of");
+          "the loops do not close without deformation, which the nominal motion has none of; use method = "
+          "\"radau\"");
     Nominal out{.s = std::move(s), .v_dot = VectorXd::Zero(n_.n_v)};
     M_.setZero(n_.n_v, n_.n_v);
     G_.setZero(n_.n_lambda, n_.n_v);
@@ -253,7 +254,7 @@ class Elastodynamics final : public Integrator {
     const Eigen::FullPivLU<MatrixXd> lu(A);
     const VectorXd x = lu.solve(right);
     if (!x.allFinite() || (A * x - right).norm() > 1e-6 * right.norm() + 1e-300)
-      throw std::runtime_error("its constraints contradict each other to first order");
+      throw std::runtime_error("its constraints contradict each other to first order; take one of them away");
     out.a = unit.cwiseProduct(x.head(n_.n_v));
     out.lambda = row.cwiseProduct(x.tail(n_.n_lambda));
     out.d = d + h * h * beta_ * out.a;

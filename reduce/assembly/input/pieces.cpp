@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "reduce/assembly/pieces.hpp"
+#include "reduce/assembly/input/pieces.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,6 @@
 
 #include "mesh/model/disjoint_sets.hpp"
 #include "reduce/assembly/input/rigid_motion.hpp"
-#include "reduce/assembly/tied_model.hpp"
 
 namespace flexura::reduce {
 namespace {
