@@ -9,7 +9,7 @@
 #include <cmath>
 #include <map>
 
-#include "reduce/assembly/input/pieces.hpp"
+#include "reduce/assembly/ties/pieces.hpp"
 #include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/tied_model.hpp"
 

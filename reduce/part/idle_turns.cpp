@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "reduce/assembly/input/pieces.hpp"
+#include "reduce/assembly/ties/pieces.hpp"
 #include "reduce/assembly/tied_model.hpp"
 #include "reduce/part/idle_moves.hpp"
 

@@ -12,7 +12,7 @@
 
 #include "mbs/base/documents/document.hpp"
 #include "mesh/model/shell_sides.hpp"
-#include "reduce/assembly/input/pieces.hpp"
+#include "reduce/assembly/ties/pieces.hpp"
 #include "reduce/assembly/input/shell_skins.hpp"
 #include "reduce/assembly/point_mass.hpp"
 #include "reduce/assembly/whole_body.hpp"

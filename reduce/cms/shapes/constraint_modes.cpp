@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "reduce/assembly/input/pieces.hpp"
+#include "reduce/assembly/ties/pieces.hpp"
 #include "reduce/linalg/dense/dense.hpp"
 
 namespace flexura::reduce {

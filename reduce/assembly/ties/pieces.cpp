@@ -1,5 +1,5 @@
 // Copyright the Flexura developers. SPDX-License-Identifier: GPL-3.0-or-later
-#include "reduce/assembly/input/pieces.hpp"
+#include "reduce/assembly/ties/pieces.hpp"
 
 #include <fmt/format.h>
 
@@ -11,6 +11,7 @@
 
 #include "mesh/model/disjoint_sets.hpp"
 #include "reduce/assembly/input/rigid_motion.hpp"
+#include "reduce/assembly/ties/tied_numbering.hpp"
 
 namespace flexura::reduce {
 namespace {
