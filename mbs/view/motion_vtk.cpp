@@ -107,7 +107,8 @@ class VtkWriter {
         R_WB = Eigen::Quaterniond(pose[3], pose[4], pose[5], pose[6]).normalized().toRotationMatrix();
         p_WBo = pose.head<3>();
       }
-      if (part.history && part.history->basis.cols() > 0) {
+      // Of a beam of the mechanism file pictures have the elements.
+      if (part.history && part.se && part.history->basis.cols() > 0) {
         const Eigen::VectorXd u_se = part.history->basis * part.history->modal.row(row).transpose();
         const Eigen::VectorXf u = part.se->shapes * u_se.cast<float>();
         const Eigen::Map<const Eigen::Matrix3Xf> moved(u.data(), 3, u.size() / 3);

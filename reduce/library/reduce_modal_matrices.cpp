@@ -172,12 +172,13 @@ Reduced reduce_reduced_body(const PartInput& input) {
         input.where +
         ": the body of these matrices is reduced already: [recovery], stiffening, [load], "
         "[mass] and [link] need its elements; leave them out");
-  const Entries K_file = read_entries(input.stiffness, 'K');
-  if (std::ranges::none_of(K_file, [](const auto& entry) { return entry.first.first.second != 0; }))
+  const Entries K_file = read_entries(input.stiffness, 'K'), M_file = read_entries(input.mass_matrix, 'M');
+  // A body that one interface holds has no stiffness there, but mass.
+  const auto is_of_grid = [](const auto& entry) { return entry.first.first.second != 0; };
+  if (std::ranges::none_of(K_file, is_of_grid) && std::ranges::none_of(M_file, is_of_grid))
     throw std::invalid_argument(file +
                                 ": has scalar points alone (component 0); give grid points, to which "
                                 "something could be joined");
-  const Entries M_file = read_entries(input.mass_matrix, 'M');
   Entries D_file;
   if (!input.damping_matrix.empty()) D_file = read_entries(input.damping_matrix, 'B');
   const std::vector<Dof> dofs = dofs_of({&K_file, &M_file, &D_file});

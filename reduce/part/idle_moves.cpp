@@ -9,9 +9,9 @@
 #include <cmath>
 #include <map>
 
-#include "reduce/assembly/ties/pieces.hpp"
 #include "reduce/assembly/input/rigid_motion.hpp"
 #include "reduce/assembly/tied_model.hpp"
+#include "reduce/assembly/ties/pieces.hpp"
 
 namespace flexura::reduce {
 namespace {

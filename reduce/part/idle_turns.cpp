@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "reduce/assembly/ties/pieces.hpp"
 #include "reduce/assembly/tied_model.hpp"
+#include "reduce/assembly/ties/pieces.hpp"
 #include "reduce/part/idle_moves.hpp"
 
 namespace flexura::reduce {

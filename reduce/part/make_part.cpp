@@ -12,9 +12,9 @@
 
 #include "mbs/base/documents/document.hpp"
 #include "mesh/model/shell_sides.hpp"
-#include "reduce/assembly/ties/pieces.hpp"
 #include "reduce/assembly/input/shell_skins.hpp"
 #include "reduce/assembly/point_mass.hpp"
+#include "reduce/assembly/ties/pieces.hpp"
 #include "reduce/assembly/whole_body.hpp"
 #include "reduce/elements/surface.hpp"
 #include "reduce/part/deck_averages.hpp"
@@ -187,7 +187,13 @@ void complete_interfaces(const PartInput& input, ModelledPart& out) {
                        input.format == PartFormat::unv;
   if (is_deck && input.finished.vectors.empty()) {
     const Pieces pieces = pieces_of(out.part);
-    if (pieces.sizes.size() > 1 && !input.strict) {
+    if (pieces.sizes.size() > 1 && input.strict)
+      throw std::invalid_argument(
+          fmt::format("{}: the mesh falls into {} pieces that nothing joins; the smallest has {} nodes: tie "
+                      "or merge them, or "
+                      "take --strict away to have each move on its own",
+                      input.where, pieces.sizes.size(), std::ranges::min(pieces.sizes)));
+    if (pieces.sizes.size() > 1) {
       const std::vector<std::string> names = at(input.where, [&] { return hold_pieces(out.part, pieces); });
       out.warnings.push_back(
           fmt::format("the mesh falls into {} pieces that nothing joins, of {} to {} nodes: each moves on "

@@ -170,8 +170,8 @@ TEST_F(Stranger, NodesThatWereNeverMergedAreNamed) {
   const Bricks two{.seam = 3};
   EXPECT_THAT(reduce_deck(two.deck(), two.ends(), {}, "deck.inp").outcome.err,
               AllOf(HasSubstr("falls into 2 pieces"),
-                    HasSubstr("merge the nodes that lie in one place (4 pairs, such as 4 "
-                              "and 5)")));
+                    HasSubstr("4 nodes of solids or shells lie where others do that nothing joins to them, "
+                              "the first 4 and 5")));
   // Joined along one row of nodes: the rest of the seam is open.
   Bricks open{.ny = 2, .seam = 3};
   std::string deck = open.deck();

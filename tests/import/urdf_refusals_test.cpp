@@ -90,7 +90,7 @@ TEST(UrdfImport, AllFaultsAreToldAtOnce) {
 
 TEST(UrdfImport, TemplatesAndOtherFilesAreRefusedByName) {
   const Folder folder;
-  EXPECT_THAT(run("flexura", {"import", folder.write("r.sdf", robot(kTwo))}).err,
+  EXPECT_THAT(run("flexura", {"import", folder.write("r.robot", robot(kTwo))}).err,
               HasSubstr("is not of a kind that is imported"));
   EXPECT_EQ(run("flexura", {"import", folder / "lost.urdf"}).exit_code, 2);
 }

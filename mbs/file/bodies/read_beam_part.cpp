@@ -23,7 +23,7 @@ input::TableSchema beam_part_schema() {
   TableSchema schema;
   schema.name = "beam";
   schema.doc =
-      "A prismatic beam, for the fidelities beam, rod, cable, ancf, segments and rigid. Its ends are the "
+      "A prismatic beam, for every fidelity. Its ends are the "
       "markers root and "
       "tip. The section is given by a material and a shape (diameter, or width and height), by its constants "
       "(of a rod "
@@ -143,6 +143,8 @@ void read_shape(const Section& s, BeamPart& part) {
     if (!s.has(key))
       s.refuse("", fmt::format("has no {}", key), "give a material and a shape, or the section's constants");
   const bool round = s.has("diameter"), rectangle = s.has("width") && s.has("height");
+  if (rectangle && s.has("inner_diameter"))
+    s.refuse("inner_diameter", "is of a round section", "give a diameter in place of width and height");
   if (round == rectangle)
     s.refuse("", round ? "has a diameter and a width" : "has no shape of its section",
              "give diameter, or width and height");

@@ -380,7 +380,8 @@ void Chooser::choose_body(const Screened& s, double share) {
   const double change = s.stiffness_change * std::min(1.0, s.rigid_error);
   const double angle = 2.0 * std::numbers::pi * s.first_hz * std::min(span_, s.ringing_time);
   choice.stiffened = change * (choice.candidate.modes > 0 ? std::max(1.0, 0.5 * angle) : 1.0) > share;
-  choice.stiffening_counts = change > kOfShare * share;
+  // A beam's own bending turns what loads it along its axis, which the rigid run does not show.
+  choice.stiffening_counts = change > kOfShare * share || (choice.is_beam && s.has_stiffening_terms);
   if (choice.is_beam && s.most_negative_change < -kNearBuckling)
     choice.make_exact(
         fmt::format("its loads take {} of its stiffness away", percent(-s.most_negative_change)));

@@ -84,10 +84,12 @@ const VectorXd& BeyondFirstOrder::take(std::size_t source, const FullModel::Corr
 }
 
 VectorXd BeyondFirstOrder::rests() const {
+  // The next order has that of the row before: where it vibrates from row to row both may add up.
+  constexpr double kOfBoth = 2.0;
   VectorXd out = VectorXd::Zero(mechanism_.sizes().n_v);
   for (const Sums& sums : sources_)
     for (std::size_t i = 0; i < rigid_.size() && sums.taken > 0; ++i)
-      out(rigid_[i]) += std::sqrt(sums.rest(static_cast<Index>(i)) / sums.taken);
+      out(rigid_[i]) += kOfBoth * std::sqrt(sums.rest(static_cast<Index>(i)) / sums.taken);
   return out;
 }
 

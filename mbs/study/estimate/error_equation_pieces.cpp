@@ -253,6 +253,7 @@ void ErrorEquation::momentum_at(std::size_t piece, double x, double h, VectorXd&
 // A step of Radau IIA takes a part z^6 / 3600 of the energy of what turns by z in it, and leaves z^3 / 60 of its force of the
 // equations at its begin.
 bool ErrorEquation::keeps_vibration(double h) {
+  if (lost_.size() == 0) return true;
   lost_.setZero();
   VectorXd greatest = greatest_, rest, force;
   for (std::size_t piece = 0; piece <= pieces_; ++piece) {

@@ -207,14 +207,14 @@ class Reader {
     }
     Part& part = here();
     const CellType type = solid->shape;
-    if (!solid->replaced.empty()) {
-      auto& [count, effect] = deck_.replaced[upper(k.get("TYPE"))];
-      count += k.data.size();
-      effect = solid->replaced;
-    }
     const auto n = static_cast<std::size_t>(nodes_per_cell(type));
     for (const DataLine& line : records(k, n + 1)) {
       if (line.fields.empty()) continue;
+      if (!solid->replaced.empty()) {
+        auto& [count, effect] = deck_.replaced[upper(k.get("TYPE"))];
+        ++count;
+        effect = solid->replaced;
+      }
       ElementLine element{type, solid->variant, to_integer(line.fields[0], line.where), {}, line.where};
       if (line.fields.size() > n + 1)
         deck_.otherwise.add(

@@ -10,8 +10,8 @@
 
 #include "mesh/model/coincident.hpp"
 #include "reduce/assembly/input/average.hpp"
-#include "reduce/assembly/ties/pieces.hpp"
 #include "reduce/assembly/input/rigid_motion.hpp"
+#include "reduce/assembly/ties/pieces.hpp"
 #include "reduce/assembly/ties/tied_codes.hpp"
 #include "reduce/assembly/ties/tied_motions.hpp"
 

@@ -120,7 +120,7 @@ TEST_F(DeckLayers, LayersThatCannotBeReadAreRefused) {
   EXPECT_THAT(bare.outcome.err, HasSubstr("names no material"));
   const Reduced named = inp("0.004, 3, STEEL, AXES\n");
   EXPECT_EQ(named.outcome.exit_code, 2);
-  EXPECT_THAT(named.outcome.err, HasSubstr("angles in degrees"));
+  EXPECT_THAT(named.outcome.err, HasSubstr("ORIENTATION=\"AXES\" is not defined"));
   const Reduced thin = inp("0., 3, STEEL\n");
   EXPECT_EQ(thin.outcome.exit_code, 2);
   EXPECT_THAT(thin.outcome.err, HasSubstr("layer thickness"));

@@ -192,7 +192,7 @@ TEST_F(DeckNastran, WhatIsOtherwiseIsSaid) {
               HasSubstr("warning: PBEAM's taper: end A is used all along"));
   EXPECT_THAT(
       said("MAT2,5,1.+10,1.+9,0.,1.+10,0.,1.+9\nPSHELL,5,5,.01\nGRID,3,,1.,1.,0.\nCTRIA3,9,5,1,2,3\n").err,
-      HasSubstr("material 5 is a MAT2, which is not read"));
+      HasSubstr("material \"5\" has no density above zero"));
   EXPECT_THAT(said("PBUSH,7,K,1.+6,1.+6,1.+6,1.+6,1.+6,1.+6\n,,M,3.\nGRID,4,,1.,0.,0.\nGRID,5,,2.,0.,0."
                    "\nCBAR,3,1,4,5,0.,1.,0.\nCBUSH,8,7,2,4,,,,0\n")
                   .err,
