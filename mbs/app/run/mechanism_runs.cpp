@@ -100,6 +100,11 @@ void give_warnings(NamedRun& run) {
 }
 
 void note_discretisation(mbs::PreparedMechanism& p) {
+  for (const auto& [body, is_open] : p.file.leaves_fidelity_open)
+    if (is_open)
+      p.notes.push_back(fmt::format(
+          "body \"{}\": fidelity = \"auto\" is chosen by flexura simulate alone, and taken as \"modal\" here",
+          body));
   if (std::string line = study::discretisation_line(p); !line.empty()) p.notes.push_back(std::move(line));
 }
 

@@ -250,6 +250,11 @@ std::vector<ErrorSource> discretisation_of(const mbs::PreparedMechanism& prepare
       sources.push_back({"modes", body.name, {}, 0.0, "flexura simulate estimates them"});
   }
   add_bodies(prepared, nullptr, sources);
+  // A run follows what loads do to the stiffness; nothing does here.
+  for (const mbs::BodyDescription& body : prepared.mechanism->description().bodies)
+    if (body.flexible && body.flexible->acts_back() && !body.flexible->has_geometric_stiffness() &&
+        body.is_reduced() && has_stiffening_terms(body))
+      sources.push_back({"stiffening", body.name, {}, 0.0, "fidelity = \"modal-stiffened\" has it"});
   add_stresses(prepared, sources);
   for (const mbs::BlindSpot& spot : prepared.file.blind_spots)
     sources.push_back({spot.kind, spot.name, {}, 0.0, spot.remedy});
