@@ -13,6 +13,22 @@
 
 namespace flexura::import {
 
+Surface box_surface(const Vector3d& h) {
+  Surface box;
+  for (int i = 0; i < 8; ++i)
+    box.vertices.emplace_back((i & 1) ? h.x() : -h.x(), (i & 2) ? h.y() : -h.y(), (i & 4) ? h.z() : -h.z());
+  const int faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                           {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  for (const auto& f : faces) {
+    box.triangles.emplace_back(f[0], f[1], f[2]);
+    box.triangles.emplace_back(f[0], f[2], f[3]);
+  }
+  for (int i = 0; i < 8; ++i)
+    for (const int bit : {1, 2, 4})
+      if ((i & bit) == 0) box.edges.emplace_back(i, i | bit);
+  return box;
+}
+
 void Surface::append(const Surface& other, const Pose& X) {
   const int first = static_cast<int>(vertices.size());
   for (const Vector3d& v : other.vertices) vertices.push_back(X * v);

@@ -41,6 +41,8 @@ struct Surface {
   bool empty() const { return triangles.empty(); }
   void append(const Surface& other, const Pose& X);
 };
+/// Of a box about the origin with half edges h [m] along its axes.
+Surface box_surface(const Vector3d& h);
 
 /// "key = value" with the value as TOML writes it.
 using Line = std::pair<std::string, std::string>;

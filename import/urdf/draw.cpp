@@ -50,23 +50,6 @@ std::vector<std::vector<Line>> solids_of(const Shape& shape) {
   return out;
 }
 
-Surface box_surface(const Vector3d& size) {
-  Surface box;
-  for (int i = 0; i < 8; ++i)
-    box.vertices.emplace_back(size.x() * ((i & 1) - 0.5), size.y() * ((i >> 1 & 1) - 0.5),
-                              size.z() * ((i >> 2 & 1) - 0.5));
-  const int faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
-                           {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-  for (const auto& f : faces) {
-    box.triangles.emplace_back(f[0], f[1], f[2]);
-    box.triangles.emplace_back(f[0], f[2], f[3]);
-  }
-  for (int i = 0; i < 8; ++i)
-    for (const int bit : {1, 2, 4})
-      if ((i & bit) == 0) box.edges.emplace_back(i, i | bit);
-  return box;
-}
-
 }  // namespace
 
 // Throws std::exception of any kind: of the file, or of the child that reads CAD files.
@@ -95,7 +78,7 @@ void Drawer::draw(const Link& link, Body& body, Findings& findings) {
                       "one",
                       shown(link.name)));
     } else if (shape.kind == Shape::Kind::box) {
-      body.surface.append(box_surface(shape.size), shape.X_LS);
+      body.surface.append(box_surface(0.5 * shape.size), shape.X_LS);
     } else {
       try {
         body.surface.append(mesh_of(shape), shape.X_LS);
